@@ -13,7 +13,7 @@ pub(crate) fn fixed_shares<T: Scalar>(shapes: [Roundness; 2]) -> [T; 2] {
     const LITTLE: f64 = 1.0 / 128.0;
     const NOTHING: f64 = 1.0 / 512.0;
     let largest = shapes[0].area.max(shapes[1].area);
-    let shapes = shapes.map(|Roundness { of_unit, area }| [of_unit, area / largest]);
+    let shapes = shapes.map(|Roundness { of_unit, area, .. }| [of_unit, area / largest]);
     // The squares of both curvatures, times both areas.
     let claims = [0, 1].map(|k| (shapes[k][0] + LITTLE * shapes[k][1].sqrt().sqrt()).powi(2) * shapes[1 - k][1]);
     match claims.map(|claim| claim / (claims[0] + claims[1])) {
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     fn share(roundness: [f64; 2], areas: [f64; 2]) -> f64 {
-        let shapes = [0, 1].map(|body| Roundness { of_unit: roundness[body], area: areas[body] });
+        let shapes = [0, 1].map(|body| Roundness { of_unit: roundness[body], area: areas[body], half_thickness: 0.0 });
         let [first, second] = fixed_shares::<f64>(shapes);
         assert!((first + second - 1.0).abs() < 1e-15);
         first

@@ -59,6 +59,10 @@ pub struct Statistics {
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,
+    /// Pairs of which a point lies deeper in the other body than the volume of one of the two over its area: half of a plate's
+    /// thickness, a third of a ball's radius. By the mesh as it was made, and by how its area has grown. A contact system
+    /// counts bodies in half-spaces too.
+    pub deep_pairs: u64,
     /// By what fraction of its net force a pair was allowed to be off, the most of all pairs ([`Sampling::Accuracy`], more in
     /// crowds); 0 where no pair was sampled by accuracy.
     ///
@@ -77,7 +81,7 @@ macro_rules! with_counters {
             pairs, open_pairs, rays, patches, estimate_rays, misses, entry_hits, own_surface_hits,
             replaced, without_normal, uncut_pieces, edge_contacts, self_contacts, open_bodies,
             past_folds, escapes_started, escaping_pairs, escape_contacts, escapes_turned,
-            escapes_forbidden, tangled_bodies, crowded_pairs, tangled_pairs
+            escapes_forbidden, tangled_bodies, crowded_pairs, tangled_pairs, deep_pairs
         }
     };
 }

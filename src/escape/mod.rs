@@ -9,7 +9,7 @@ mod progress;
 pub(crate) use memory_bytes::MEMORY_BYTES;
 pub use pair_memory::{PairMemory, Record};
 
-use crate::contact::{ContactList, DetectionOptions, Pair, Sampling, overlap_region, sample_fraction};
+use crate::contact::{Contact, ContactList, DetectionOptions, Pair, Sampling, overlap_region, sample_fraction};
 use crate::math::Scalar;
 use crate::mesh::Mesh;
 use crate::query::{Octree, OctreeError, Tracer};
@@ -83,5 +83,8 @@ pub(crate) fn detect_pair<T: Scalar>(
             pair.detect_without_memory(contacts);
         }
     }
+    let [half_thickness, other] = meshes.map(Mesh::half_thickness);
+    let is_deep = |contact: &Contact<T>| contact.depth * contact.cos_alpha > half_thickness.min(other);
+    contacts.statistics.deep_pairs += u64::from(contacts.contacts[start..].iter().any(is_deep));
     pair.spread_loads(start, contacts);
 }

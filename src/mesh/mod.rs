@@ -288,6 +288,12 @@ impl<T: Scalar> Mesh<T> {
         *self.reference.roundness.get_or_init(|| roundness::roundness(&self.topology, &self.reference.positions))
     }
 
+    /// Its volume over its area: half of a plate's thickness, a third of a ball's radius. Infinite for an open surface. By its
+    /// reference positions, and by how much its area has grown since then.
+    pub(crate) fn half_thickness(&self) -> T {
+        T::of(self.roundness().half_thickness) * self.patches().growth(|triangle| self.corners(triangle)).sqrt()
+    }
+
     /// The positions at creation.
     pub(crate) fn reference_positions(&self) -> &[Vector3<T>] {
         &self.reference.positions

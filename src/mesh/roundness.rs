@@ -13,6 +13,8 @@ pub(crate) struct Roundness {
     pub(crate) of_unit: f64,
     /// In m².
     pub(crate) area: f64,
+    /// Its volume over its area, in m. Infinite for an open surface.
+    pub(crate) half_thickness: f64,
 }
 
 pub(crate) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]) -> Roundness {
@@ -25,6 +27,12 @@ pub(crate) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]
         (b - a).cross(&(c - a))
     };
     let area: f64 = (0..topology.triangles().len() as u32).map(|triangle| 0.5 * doubled_area(triangle).norm()).sum();
+    let base = positions.first().map_or_else(Vector3::zeros, |_| at(0));
+    let six_fold = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|vertex| at(vertex) - base);
+        a.dot(&b.cross(&c))
+    };
+    let volume = topology.triangles().iter().map(six_fold).sum::<f64>() / 6.0;
     let [smooth, crease] = CREASES.map(f64::to_radians);
     let mut bent = 0.0;
     for edge in topology.edges() {
@@ -39,7 +47,11 @@ pub(crate) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]
     // Of a ball the lengths of the edges times their angles sum to 8 π r, and the area is 4 π r².
     let of_unit = bent.abs() / (4.0 * (std::f64::consts::PI * area).sqrt());
     let factor = factor.to_f64();
-    Roundness { of_unit: if of_unit.is_finite() { of_unit } else { 0.0 }, area: area / factor / factor }
+    Roundness {
+        of_unit: if of_unit.is_finite() { of_unit } else { 0.0 },
+        area: area / factor / factor,
+        half_thickness: if topology.is_open() { f64::INFINITY } else { volume.abs() / area / factor },
+    }
 }
 
 #[cfg(test)]
@@ -54,7 +66,9 @@ mod tests {
     fn balls_are_round_and_boxes_are_not() {
         for (levels, margin) in [(1, 0.07), (2, 0.02), (4, 0.001)] {
             for radius in [1e-9, 1.0, 1e9] {
-                let Roundness { of_unit, area } = shapes::sphere(levels).scaled(radius).mesh::<f64>().roundness();
+                let Roundness { of_unit, area, half_thickness } =
+                    shapes::sphere(levels).scaled(radius).moved([5.0 * radius; 3]).mesh::<f64>().roundness();
+                assert!((half_thickness / radius * 3.0 - 1.0).abs() < margin, "{levels} levels: {half_thickness}");
                 assert!((of_unit - 1.0).abs() < margin, "{levels} levels: {of_unit}");
                 let whole = 4.0 * std::f64::consts::PI * radius * radius;
                 assert!((area / whole - 1.0).abs() < 2.0 * margin, "{levels} levels: {area} of {whole}");

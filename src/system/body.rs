@@ -52,9 +52,9 @@ pub(super) enum Mover {
     Rigid {
         inertia: Box<Inertia>,
         index: usize,
-        frame: Frame,
+        surface: RigidSurface,
     },
-    Host(Frame),
+    Host(RigidSurface),
 }
 
 /// How nodes carry surface vertices.
@@ -68,7 +68,7 @@ pub(super) enum Table {
 
 /// A surface that moves as a rigid body.
 #[derive(Debug)]
-pub(super) struct Frame {
+pub(super) struct RigidSurface {
     /// Its vertices in the body's own coordinates.
     points: Vec<V3>,
     pub(super) centre: V3,
@@ -77,7 +77,7 @@ pub(super) struct Frame {
     pub(super) free_velocity: [f64; 6],
 }
 
-impl Frame {
+impl RigidSurface {
     pub(super) fn new<T: Scalar>(mesh: &Mesh<T>) -> Self {
         let points = mesh.reference_positions().iter().map(|point| point.map(T::to_f64));
         Self {
@@ -253,7 +253,7 @@ impl<T: Scalar> Body<T> {
     pub(super) fn vertex_count(&self) -> usize {
         match &self.mover {
             Mover::Nodes { table, .. } => table.vertex_count(),
-            Mover::Rigid { frame, .. } | Mover::Host(frame) => frame.points.len(),
+            Mover::Rigid { surface, .. } | Mover::Host(surface) => surface.points.len(),
         }
     }
 
@@ -264,11 +264,11 @@ impl<T: Scalar> Body<T> {
 
     /// Stores how a rigid body moves at the start of a step, and its mass and inertia there.
     pub(super) fn start_rigid(&self, buffers: &mut Buffers, masses: &mut [Inertia]) {
-        if let Mover::Rigid { inertia, index, frame } = &self.mover {
+        if let Mover::Rigid { inertia, index, surface } = &self.mover {
             let own = 6 * index..6 * index + 6;
-            buffers.twists[own.clone()].copy_from_slice(&frame.velocity);
-            buffers.free_twists[own].copy_from_slice(&frame.free_velocity);
-            masses[*index] = inertia.turned(&frame.rotation);
+            buffers.twists[own.clone()].copy_from_slice(&surface.velocity);
+            buffers.free_twists[own].copy_from_slice(&surface.free_velocity);
+            masses[*index] = inertia.turned(&surface.rotation);
         }
     }
 
@@ -279,15 +279,15 @@ impl<T: Scalar> Body<T> {
                 let free = nodes.clone().filter(|&node| masses[node as usize].is_finite());
                 free.map(|node| at(velocities, node) * masses[node as usize]).sum::<V3>() / self.mass
             }
-            Mover::Rigid { frame, .. } | Mover::Host(frame) => linear(&frame.velocity),
+            Mover::Rigid { surface, .. } | Mover::Host(surface) => linear(&surface.velocity),
         };
     }
 
-    /// The frame of a body that is not deformable.
-    pub(super) fn frame_mut(&mut self) -> Option<&mut Frame> {
+    /// The surface of a body that is not deformable.
+    pub(super) fn surface_mut(&mut self) -> Option<&mut RigidSurface> {
         match &mut self.mover {
             Mover::Nodes { .. } => None,
-            Mover::Rigid { frame, .. } | Mover::Host(frame) => Some(frame),
+            Mover::Rigid { surface, .. } | Mover::Host(surface) => Some(surface),
         }
     }
 
@@ -295,10 +295,10 @@ impl<T: Scalar> Body<T> {
     fn pose(&self, course: &Course<'_>) -> Option<(V3, Matrix3<f64>)> {
         match &self.mover {
             Mover::Nodes { .. } => None,
-            Mover::Rigid { frame, index, .. } => {
-                Some(frame.moved(course.time, &course.twists[6 * index..6 * index + 6]))
+            Mover::Rigid { surface, index, .. } => {
+                Some(surface.moved(course.time, &course.twists[6 * index..6 * index + 6]))
             }
-            Mover::Host(frame) => Some(frame.moved(course.time, &frame.free_velocity)),
+            Mover::Host(surface) => Some(surface.moved(course.time, &surface.free_velocity)),
         }
     }
 
@@ -306,8 +306,8 @@ impl<T: Scalar> Body<T> {
     pub(super) fn vertices(&self, course: &Course<'_>) -> impl Fn(u32) -> V3 {
         let pose = self.pose(course);
         move |vertex| match (&self.mover, &pose) {
-            (Mover::Rigid { frame, .. } | Mover::Host(frame), Some((centre, rotation))) => {
-                centre + rotation * frame.points[vertex as usize]
+            (Mover::Rigid { surface, .. } | Mover::Host(surface), Some((centre, rotation))) => {
+                centre + rotation * surface.points[vertex as usize]
             }
             (Mover::Nodes { table, .. }, _) => table.sum(vertex, course.positions),
             _ => V3::zeros(),
@@ -328,8 +328,8 @@ impl<T: Scalar> Body<T> {
     pub(super) fn vertex_ahead(&self, vertex: u32) -> V3 {
         match &self.mover {
             Mover::Nodes { .. } => self.ahead[vertex as usize],
-            Mover::Rigid { frame, .. } | Mover::Host(frame) => {
-                self.ahead_pose.0 + self.ahead_pose.1 * frame.points[vertex as usize]
+            Mover::Rigid { surface, .. } | Mover::Host(surface) => {
+                self.ahead_pose.0 + self.ahead_pose.1 * surface.points[vertex as usize]
             }
         }
     }
@@ -361,8 +361,8 @@ impl<T: Scalar> Body<T> {
         let rounded = |x: V3| [T::of(x.x), T::of(x.y), T::of(x.z)];
         match mover {
             Mover::Nodes { .. } => memory::refill(positions, ahead.iter().map(|&x| rounded(x))),
-            Mover::Rigid { frame, .. } | Mover::Host(frame) => {
-                memory::refill(positions, frame.points.iter().map(|point| rounded(*centre + *rotation * point)));
+            Mover::Rigid { surface, .. } | Mover::Host(surface) => {
+                memory::refill(positions, surface.points.iter().map(|point| rounded(*centre + *rotation * point)));
             }
         }
         match self.positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {

@@ -89,21 +89,24 @@ impl<T: Scalar> Below<T> {
 impl<T: Scalar> RowBuilder<'_, T> {
     /// Adds the rows of one body. Each surface vertex below the plane bears the pressure of its depth over the area that it
     /// stands for, seen along the normal. Where nodes are much further apart than vertices, and the step looks ahead, the
-    /// vertices of a patch make one row, with weights by their areas.
+    /// vertices of a patch make one row, with weights by their areas. Gives whether a vertex is deeper than half the body's
+    /// thickness.
     pub(super) fn add_half_space_rows(
         &mut self,
         (number, half_space): (u32, &HalfSpace),
         index: usize,
         mesh: &Mesh<T>,
         below: &mut Below<T>,
-    ) {
+    ) -> bool {
         let (body, normal) = (&self.bodies[index], half_space.normal);
         let Aabb { lower, upper } = mesh.aabb();
         let deepest = V3::from_fn(|axis, _| if normal[axis] > 0.0 { lower[axis] } else { upper[axis] }.to_f64());
         if !body.is_movable() || normal.dot(&deepest) >= half_space.offset {
-            return;
+            return false;
         }
         below.find(half_space, body, mesh);
+        let half_thickness = mesh.half_thickness().to_f64();
+        let is_deep = below.vertices.iter().any(|&(depth, ..)| depth > half_thickness);
         let all = mesh.topology().triangles();
         let (spacing, vertices) = (mesh.carrier_spacing().to_f64(), mesh.topology().surface_vertices());
         let of_nodes = mesh.roundness().area / (spacing * spacing);
@@ -118,7 +121,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
                     self.add_half_space_row((number, half_space), body, vertex, (at, None), pressed);
                 }
             }
-            return;
+            return is_deep;
         }
         // Patches are the same in each step, so that friction finds again what it holds on to.
         let (patches, largest, fraction) = (mesh.patches(), T::of(spacing * spacing), T::of(LARGEST_FRACTION));
@@ -150,6 +153,7 @@ impl<T: Scalar> RowBuilder<'_, T> {
                 self.add_half_space_row((number, half_space), body, name, ends, (load / sum, sum, faces));
             }
         }
+        is_deep
     }
 
     /// Adds the row of a vertex or patch, by its name; it acts on `area` at `depth` below the plane.

@@ -57,7 +57,7 @@ use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 use anchors::Anchors;
-use body::{Body, Frame, Mover, Table};
+use body::{Body, Mover, RigidSurface, Table};
 use buffers::{Buffers, Step};
 use compressed::Compressed;
 use half_spaces::{Below, HalfSpace};
@@ -224,7 +224,7 @@ impl<T: Scalar> ContactSystem<T> {
             return Err(SystemError::Inertia);
         }
         let inertia = Box::new(Inertia { mass, about: inertia, ..Inertia::default() });
-        let mover = Mover::Rigid { inertia, index: self.rigid_count, frame: Frame::new(mesh) };
+        let mover = Mover::Rigid { inertia, index: self.rigid_count, surface: RigidSurface::new(mesh) };
         // Memory first: if there is none, the count must not have changed.
         self.bodies.room_for(1);
         self.rigid_count += 1;
@@ -239,7 +239,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`SystemError`] of its own for each number that is wrong.
     pub fn add_moved(&mut self, scene: &Scene<T>, body: u32, material: Material) -> Result<(), SystemError> {
         let (index, mesh) = self.check_new(scene, body, &material)?;
-        let mover = Mover::Host(Frame::new(mesh));
+        let mover = Mover::Host(RigidSurface::new(mesh));
         self.insert(index, Body::new(body, material, mover, mesh, f64::INFINITY));
         Ok(())
     }
@@ -297,8 +297,8 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn set_motion(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
         self.check_joined(&[body])?;
         let index = self.index_of(body)?;
-        let frame = self.bodies[index].frame_mut().ok_or(SystemError::UnknownBody { body })?;
-        frame.set_motion(body, motion)?;
+        let surface = self.bodies[index].surface_mut().ok_or(SystemError::UnknownBody { body })?;
+        surface.set_motion(body, motion)?;
         self.extend_step();
         Ok(())
     }

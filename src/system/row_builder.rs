@@ -237,11 +237,11 @@ impl<'a, T: Scalar> RowBuilder<'a, T> {
                 let arm = point - body.ahead_pose.0;
                 ends.rigid[side] = Some(RigidEnd { index: *index, sign, arm });
             }
-            Mover::Host(frame) => {
+            Mover::Host(surface) => {
                 let arm = point - body.ahead_pose.0;
                 let at = |twist: &[f64]| (linear(twist) + angular(twist).cross(&arm)) * sign;
-                ends.given += at(&frame.free_velocity);
-                ends.given_before += at(&frame.velocity);
+                ends.given += at(&surface.free_velocity);
+                ends.given_before += at(&surface.velocity);
             }
         }
     }
@@ -261,9 +261,9 @@ impl<'a, T: Scalar> RowBuilder<'a, T> {
             Mover::Rigid { index, .. } => {
                 ends.rigid[side] = Some(RigidEnd { index: *index, sign, arm: V3::zeros() });
             }
-            Mover::Host(frame) => {
-                ends.given += linear(&frame.free_velocity) * sign;
-                ends.given_before += linear(&frame.velocity) * sign;
+            Mover::Host(surface) => {
+                ends.given += linear(&surface.free_velocity) * sign;
+                ends.given_before += linear(&surface.velocity) * sign;
             }
         }
     }

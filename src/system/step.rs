@@ -167,7 +167,8 @@ impl<T: Scalar> ContactSystem<T> {
             for (number, half_space) in self.half_spaces.iter().enumerate() {
                 for (index, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_foreign(body.number)) {
                     if let Ok(mesh) = scene.mesh(body.number) {
-                        builder.add_half_space_rows((number as u32, half_space), index, mesh, below);
+                        let is_deep = builder.add_half_space_rows((number as u32, half_space), index, mesh, below);
+                        contacts.statistics.deep_pairs += u64::from(is_deep);
                     }
                 }
             }

@@ -71,6 +71,13 @@ pub struct rayc_statistics {
     /// off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound.
     /// It may exceed what was asked (docs/options.md), most of all where the sampling ended too early (uncut_pieces).
     pub error_estimated: f64,
+    /// Pairs of which a point lies deeper in the other body than the volume of one of the two over its area: half of a plate's
+    /// thickness, a third of a ball's radius. By the mesh as it was made, and by how its area has grown. A warning: near the
+    /// middle of a body the nearest surface may be the wrong one, and where the stiffness is too small for the load, a body
+    /// floats in another by its buoyancy (its weight is the stiffness times the volume inside). A body with half of its
+    /// volume in another is always counted. A contact system counts bodies in half-spaces too; it looks where bodies would
+    /// be at the end of the step without contact.
+    pub deep_pairs: u64,
 }
 
 growing!(rayc_statistics, escapes_forbidden: u64);

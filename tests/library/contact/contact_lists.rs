@@ -36,6 +36,7 @@ fn counts(first: u64, step: u64) -> Statistics {
         tangled_bodies: count(),
         crowded_pairs: count(),
         tangled_pairs: count(),
+        deep_pairs: count(),
         error_asked: first as f64,
         error_estimated: step as f64,
     }

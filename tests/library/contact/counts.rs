@@ -169,3 +169,29 @@ fn samples_on_faces_of_the_overlap_box_are_not_lost_by_rounding() {
     every_face_casts::<f32>(&mut random);
     every_face_casts::<f64>(&mut random);
 }
+
+/// A plate of 2 m and 0.2 m on a thicker slab, and a ball of 1 m: their volumes over their areas are 1/12 and about 1/3 m. Which of
+/// the two bodies is the thin one does not matter. A sheet has no thickness.
+#[test]
+fn pairs_deeper_than_half_a_thickness_are_counted() {
+    let slab = cuboid([-9.0, -9.0, -5.0], [9.0, 9.0, 0.0]).mesh();
+    let plate = cuboid([-1.0, -1.0, 0.0], [1.0, 1.0, 0.2]);
+    let ball = shapes::sphere(3).moved([0.0, 0.0, 1.0]);
+    let deep_pairs = |body: &Shape, depth: f64, layout| {
+        let body = body.moved([0.3, 0.2, -depth]).mesh();
+        [[&body, &slab], [&slab, &body]]
+            .map(|meshes| detect(meshes, layout, &DetectionOptions::default()).statistics.deep_pairs)
+    };
+    for layout in LAYOUTS {
+        for (body, half_thickness) in [(&plate, 1.0 / 12.0), (&ball, 1.0 / 3.0)] {
+            assert_eq!(deep_pairs(body, 0.97 * half_thickness, layout), [0, 0]);
+            assert_eq!(deep_pairs(body, 1.03 * half_thickness, layout), [1, 1]);
+        }
+    }
+    let sheet = cuboid([-1.0, -1.0, -0.15], [1.0, 1.0, 0.05]);
+    let lower = Mesh::open(&sheet.positions, &sheet.triangles[..10]).expect("an open sheet");
+    let octrees = [&lower, &slab].map(Octree::new);
+    let mut list = ContactList::default();
+    query_pair(&lower, &octrees[0], &slab, &octrees[1], &DetectionOptions::default(), &mut list).expect("fresh");
+    assert!(!list.is_empty() && list.statistics.deep_pairs == 0, "{:?}", list.statistics);
+}

@@ -208,3 +208,35 @@ fn what_is_not_there_has_no_material_and_no_force() {
     host.system.misjudged(&[]).expect_err("no step");
     assert_eq!(host.system.pair_force(1, Surface::Body(0)).expect("both are there"), [0.0; 3]);
 }
+
+/// A box of 0.4 m and 10 kg is borne by its buoyancy where its weight is more than the stiffness times half of its volume, and
+/// says so at rest; on the same floor, twenty times as stiff, it lies 1/30 of its height deep.
+#[test]
+fn a_body_borne_by_its_buoyancy_is_counted_at_rest() {
+    let weight = 10.0 * 9.81;
+    for is_half_space in [true, false] {
+        for (part_inside, expected) in [(0.6, 1), (0.03, 0)] {
+            let mut host = Host::new(RigidUnknowns::Eliminated);
+            host.gravity = V3::new(0.0, 0.0, -9.81);
+            // Two equal materials, in series.
+            let stiffness = 2.0 * weight / (part_inside * 0.4f64.powi(3));
+            let material = Material { damping_time: 0.3, ..material(stiffness) };
+            if is_half_space {
+                host.system.add_half_space([0.0, 0.0, 1.0], 0.0, material).expect("a floor");
+            } else {
+                let slab = shapes::cube(1).map(|[x, y, z]| [2.0 * x, 2.0 * y, z - 1.0]);
+                let body = host.scene.add(slab.mesh());
+                host.system.add_moved(&host.scene, body, material).expect("a floor");
+            }
+            add_box(&mut host, material, V3::new(0.0, 0.0, 0.2 - 0.4 * part_inside), Matrix3::identity());
+            (0..400).for_each(|_| host.step(0.01));
+            let box_ = &host.rigids[0];
+            let (depth, speed) = (0.2 - box_.position.z, V3::from_row_slice(&box_.velocity[..3]).norm());
+            // The slab's points inside the box are nearer to its sides than to its bottom, so the slab bears less.
+            let (expected_depth, margin) = (0.4 * part_inside, if is_half_space { 1e-6 } else { 0.1 });
+            assert!((depth / expected_depth - 1.0).abs() < margin, "{depth} m deep, not {expected_depth}");
+            assert!(speed < 1e-6, "{speed} m/s");
+            assert_eq!(host.system.contacts().statistics.deep_pairs, expected, "{depth} m deep, {is_half_space}");
+        }
+    }
+}
