@@ -102,7 +102,7 @@ class Raycontact(Solver):
     name, package, modules = "raycontact", "raycontact", ("raycontact",)
     settings = "contact system with implicit Euler and up to three solves; Material of a depth at rest"
     documentation = "docs/recipes.md"
-    stiffnesses = {"depth 0.001": 0.001, "depth 0.0003": 0.0003, "depth 0.0001": 0.0001}
+    stiffnesses = {"depth 0.001": 1e-3, "depth 0.0001": 1e-4, "depth 0.00001": 1e-5}
 
     def build(self, stiffness):
         import raycontact
