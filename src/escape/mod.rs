@@ -83,8 +83,11 @@ pub(crate) fn detect_pair<T: Scalar>(
             pair.detect_without_memory(contacts);
         }
     }
-    let [half_thickness, other] = meshes.map(Mesh::half_thickness);
-    let is_deep = |contact: &Contact<T>| contact.depth * contact.cos_alpha > half_thickness.min(other);
-    contacts.statistics.deep_pairs += u64::from(contacts.contacts[start..].iter().any(is_deep));
+    // Rays from vertices alone need no patches, which tell how thick a body is.
+    if options.sampling != Sampling::Vertices {
+        let [half_thickness, other] = meshes.map(Mesh::half_thickness);
+        let is_deep = |contact: &Contact<T>| contact.depth * contact.cos_alpha > half_thickness.min(other);
+        contacts.statistics.deep_pairs += u64::from(contacts.contacts[start..].iter().any(is_deep));
+    }
     pair.spread_loads(start, contacts);
 }
