@@ -62,6 +62,8 @@ pub struct Statistics {
     /// Pairs of which a point lies deeper in the other body than the volume of one of the two over its area: half of a plate's
     /// thickness, a third of a ball's radius. By the mesh as it was made, and by how its area has grown. None are counted
     /// with [`Sampling::Vertices`]. A contact system counts bodies in half-spaces too.
+    ///
+    /// [`Sampling::Vertices`]: crate::contact::Sampling::Vertices
     pub deep_pairs: u64,
     /// By what fraction of its net force a pair was allowed to be off, the most of all pairs ([`Sampling::Accuracy`], more in
     /// crowds); 0 where no pair was sampled by accuracy.

@@ -27,7 +27,7 @@ pub(crate) fn roundness<T: Scalar>(topology: &Topology, positions: &[Vector3<T>]
         (b - a).cross(&(c - a))
     };
     let area: f64 = (0..topology.triangles().len() as u32).map(|triangle| 0.5 * doubled_area(triangle).norm()).sum();
-    let base = positions.first().map_or_else(Vector3::zeros, |_| at(0));
+    let base = at(0);
     let six_fold = |corners: &[u32; 3]| {
         let [a, b, c] = corners.map(|vertex| at(vertex) - base);
         a.dot(&b.cross(&c))
