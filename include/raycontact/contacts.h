@@ -457,6 +457,15 @@ typedef struct rayc_statistics {
    */
   uint64_t tangled_pairs;
   /**
+   * Pairs of which a point lies deeper in the other body than the volume of one of the two over its area: half of a plate's
+   * thickness, a third of a ball's radius. By the mesh as it was made, and by how its area has grown. A warning: near the
+   * middle of a body the nearest surface may be the wrong one, and where the stiffness is too small for the load, a body
+   * floats in another by its buoyancy (its weight is the stiffness times the volume inside). A body with half of its
+   * volume in another is always counted. None are counted with RAYC_SAMPLING_VERTICES. A contact system counts bodies in
+   * half-spaces too; it looks where bodies would be at the end of the step without contact.
+   */
+  uint64_t deep_pairs;
+  /**
    * By what part of its net force a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
    */
   double error_asked;
@@ -466,15 +475,6 @@ typedef struct rayc_statistics {
    * It may exceed what was asked (docs/options.md), most of all where the sampling ended too early (uncut_pieces).
    */
   double error_estimated;
-  /**
-   * Pairs of which a point lies deeper in the other body than the volume of one of the two over its area: half of a plate's
-   * thickness, a third of a ball's radius. By the mesh as it was made, and by how its area has grown. A warning: near the
-   * middle of a body the nearest surface may be the wrong one, and where the stiffness is too small for the load, a body
-   * floats in another by its buoyancy (its weight is the stiffness times the volume inside). A body with half of its
-   * volume in another is always counted. None are counted with RAYC_SAMPLING_VERTICES. A contact system counts bodies in
-   * half-spaces too; it looks where bodies would be at the end of the step without contact.
-   */
-  uint64_t deep_pairs;
 } rayc_statistics;
 
 /**

@@ -65,12 +65,6 @@ pub struct rayc_statistics {
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere: no inside is
     /// left to tell. docs/architecture.md says how they are known.
     pub tangled_pairs: u64,
-    /// By what part of its net force a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
-    pub error_asked: f64,
-    /// By what part of its net force, or of a tenth of the sizes of all its forces if that is more, a pair is expected to be
-    /// off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound.
-    /// It may exceed what was asked (docs/options.md), most of all where the sampling ended too early (uncut_pieces).
-    pub error_estimated: f64,
     /// Pairs of which a point lies deeper in the other body than the volume of one of the two over its area: half of a plate's
     /// thickness, a third of a ball's radius. By the mesh as it was made, and by how its area has grown. A warning: near the
     /// middle of a body the nearest surface may be the wrong one, and where the stiffness is too small for the load, a body
@@ -78,6 +72,12 @@ pub struct rayc_statistics {
     /// volume in another is always counted. None are counted with RAYC_SAMPLING_VERTICES. A contact system counts bodies in
     /// half-spaces too; it looks where bodies would be at the end of the step without contact.
     pub deep_pairs: u64,
+    /// By what part of its net force a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
+    pub error_asked: f64,
+    /// By what part of its net force, or of a tenth of the sizes of all its forces if that is more, a pair is expected to be
+    /// off, the most of all pairs: the root of the sum of the squares of what each sample may be off. An estimate, not a bound.
+    /// It may exceed what was asked (docs/options.md), most of all where the sampling ended too early (uncut_pieces).
+    pub error_estimated: f64,
 }
 
 growing!(rayc_statistics, escapes_forbidden: u64);
