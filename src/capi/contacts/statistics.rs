@@ -69,8 +69,8 @@ pub struct rayc_statistics {
     /// thickness, a third of a ball's radius. By the mesh as it was made, and by how its area has grown. A warning: near the
     /// middle of a body the nearest surface may be the wrong one, and where the stiffness is too small for the load, a body
     /// floats in another by its buoyancy (its weight is the stiffness times the volume inside). A body with half of its
-    /// volume in another is always counted. None are counted with RAYC_SAMPLING_VERTICES. A contact system counts bodies in
-    /// half-spaces too; it looks where bodies would be at the end of the step without contact.
+    /// volume below a flat face is always counted. None are counted with RAYC_SAMPLING_VERTICES. A contact system counts bodies
+    /// in half-spaces too; it looks where bodies would be at the end of the step without contact.
     pub deep_pairs: u64,
     /// By what part of its net force a pair was allowed to be off, the most of all (RAYC_SAMPLING_ACCURACY, more in crowds).
     pub error_asked: f64,
