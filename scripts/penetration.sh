@@ -12,8 +12,8 @@ its peers from PyPI and Debian, in fixed versions.
   --full    installs the peers, runs all poses, scenes and bodies, and renews the CSV files in docs/penetration, the
             charts beside them and the tables of docs/penetration.md. About an hour
   --own     without peers: renews docs/penetration/quick, this library's own answers that --check asks for. A minute
-  --deforming   pairs of elastic bodies, each library in its own solver; with a closed surface of yours too. Renews
-            deforming.csv in docs/penetration. Ten minutes
+  --deforming   elastic bodies, each library in its own solver, on a seed drawn once its stiffness is chosen; with a
+            closed surface of yours too. Renews deforming.csv in docs/penetration. Half an hour
   --solvers the scenes of simulate, each library in its own solver, on a seed drawn once its stiffness is chosen.
             Renews solvers.csv in docs/penetration. Ten minutes
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
@@ -50,6 +50,7 @@ fi
 
 run() { "$environment/bin/python" -m penetration_benchmark "$@" || fail 'a task failed, see above'; }
 docs="$root/docs/penetration"
+drawn_seed() { sed -n 's/^seed \([0-9]*\),.*/\1/p' "$1" | tail -1; }
 # head_all <folder> <command>...
 head_all() {
     local file
@@ -76,7 +77,7 @@ bullet=(c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet -Wno-maybe-uni
 
 if [[ $size == --deforming ]]; then
     install_packages libbullet-dev
-    "$environment/bin/pip" install ipctk==1.6.1 mujoco==4.0.0 || fail 'pip could not install the peers'
+    "$environment/bin/pip" install drake==1.51.1 ipctk==1.6.1 mujoco==4.0.0 || fail 'pip could not install the peers'
     "${bullet[@]}" c/bullet_soft.cpp -o "$PENETRATION_BUILD/bullet_soft.so" -lBulletSoftBody -lBulletDynamics \
         -lBulletCollision -lLinearMath || fail 'c/bullet_soft.cpp could not be built'
     scanned=()
@@ -85,7 +86,8 @@ if [[ $size == --deforming ]]; then
     mkdir -p "$folder"
     "$environment/bin/python" -m penetration_benchmark.deforming "${scanned[@]}" "$folder/deforming.csv" ||
         fail 'the measurement failed, see above'
-    (cd "$root" && head_csv "$folder/deforming.csv" none "scripts/penetration.sh --deforming${2:+ ${2##*/}}")
+    (cd "$root" && head_csv "$folder/deforming.csv" "$(drawn_seed "$folder/deforming.csv")" \
+        "scripts/penetration.sh --deforming${2:+ ${2##*/}}")
     cp "$folder/deforming.csv" "$docs/"
     say "Figures: $docs/deforming.csv"
     exit 0
@@ -107,8 +109,7 @@ say 'Measuring'
 if [[ $size == --solvers ]]; then
     "$environment/bin/python" -m penetration_benchmark.solvers "$folder/solvers.csv" ||
         fail 'the measurement failed, see above'
-    seed="$(sed -n 's/^seed \([0-9]*\),.*/\1/p' "$folder/solvers.csv" | tail -1)"
-    (cd "$root" && head_csv "$folder/solvers.csv" "$seed" 'scripts/penetration.sh --solvers')
+    (cd "$root" && head_csv "$folder/solvers.csv" "$(drawn_seed "$folder/solvers.csv")" 'scripts/penetration.sh --solvers')
     cp "$folder/solvers.csv" "$docs/"
     say "Figures: $docs/solvers.csv"
     exit 0

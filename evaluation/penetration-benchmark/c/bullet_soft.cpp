@@ -4,6 +4,7 @@
 // c++ -std=c++17 -O3 -shared -fPIC -isystem /usr/include/bullet bullet_soft.cpp -o bullet_soft.so
 // with -lBulletSoftBody -lBulletDynamics -lBulletCollision -lLinearMath
 #include <BulletSoftBody/btDeformableBodySolver.h>
+#include <BulletSoftBody/btDeformableGravityForce.h>
 #include <BulletSoftBody/btDeformableLinearElasticityForce.h>
 #include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
 #include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
@@ -24,6 +25,7 @@ struct SoftWorld {
   btDeformableMultiBodyConstraintSolver constraint_solver;
   btDeformableMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &constraint_solver, &configuration, &solver};
   btDeformableLinearElasticityForce elasticity;
+  std::unique_ptr<btDeformableGravityForce> weight;
   std::vector<std::unique_ptr<btSoftBody>> bodies;
 
   ~SoftWorld() {
@@ -42,17 +44,19 @@ btVector3 vector(const double* v) { return {btScalar(v[0]), btScalar(v[1]), btSc
 
 extern "C" {
 
-/** A new, empty world in place of the one before. */
-void bullet_soft_begin(double young, double poisson) {
+/** A new, empty world in place of the one before; gravity pulls down along x. */
+void bullet_soft_begin(double young, double poisson, double erp, double gravity) {
   current() = std::make_unique<SoftWorld>();
   SoftWorld& made = *current();
   made.constraint_solver.setDeformableSolver(&made.solver);
-  made.world.setGravity({0, 0, 0});
-  made.world.getWorldInfo().m_gravity = {0, 0, 0};
+  const btVector3 pull(btScalar(-gravity), 0, 0);
+  made.world.setGravity(pull);
+  made.world.getWorldInfo().m_gravity = pull;
+  made.weight = std::make_unique<btDeformableGravityForce>(pull);
   made.world.setImplicit(true);
   made.world.setLineSearch(false);
   made.world.setUseProjection(true);
-  made.world.getSolverInfo().m_deformable_erp = btScalar(0.3);
+  made.world.getSolverInfo().m_deformable_erp = btScalar(erp);
   made.world.getSolverInfo().m_deformable_maxErrorReduction = btScalar(200);
   made.world.getSolverInfo().m_leastSquaresResidualThreshold = btScalar(1e-3);
   made.world.getSolverInfo().m_splitImpulse = false;
@@ -62,7 +66,8 @@ void bullet_soft_begin(double young, double poisson) {
   made.elasticity.setDamping(btScalar(0.1), btScalar(0.01));
 }
 
-/** Adds a body of nodes with positions and velocities (count x 3) and masses, and tetrahedra. */
+/** Adds a body of nodes with positions and velocities (count x 3) and masses, 0 for those that are held, and
+ * tetrahedra. */
 void bullet_soft_add(const double* positions, const double* velocities, const double* masses, int count,
                      const int* tetrahedra, int tetrahedron_count, double margin) {
   SoftWorld& into = *current();
@@ -92,6 +97,18 @@ void bullet_soft_add(const double* positions, const double* velocities, const do
   body.setActivationState(DISABLE_DEACTIVATION);
   into.world.addSoftBody(&body);
   into.world.addForce(&body, &into.elasticity);
+  into.world.addForce(&body, into.weight.get());
+}
+
+/** From now on these nodes, held ones, counted over all bodies, move along x with a speed. */
+void bullet_soft_push(const int* nodes, int count, double speed) {
+  for (int i = 0; i < count; ++i) {
+    int n = nodes[i];
+    auto body = current()->bodies.begin();
+    for (; n >= (*body)->m_nodes.size(); ++body) n -= (*body)->m_nodes.size();
+    btSoftBody::Node& node = (*body)->m_nodes[n];
+    node.m_v = node.m_vn = btVector3(btScalar(speed), 0, 0);
+  }
 }
 
 void bullet_soft_step(double time_step, int steps) {
