@@ -40,9 +40,15 @@ build_library() {
     printf '%s\n' "$(absolute_path "${CARGO_TARGET_DIR:-$root/target}")/release/libraycontact.so"
 }
 
-# Prints where the shared library with the peers is.
+# Prints where the shared library with the peers is. Debian has no Embree 4: it is taken out of PyPI's embreex.
 build_peers() {
-    RUSTFLAGS='-C target-cpu=native' build_package --package raycontact-bench-peers --target-dir "$target/native"
+    local environment="$target/embree" embree_4
+    make_environment "$environment"
+    "$environment/bin/pip" install --quiet --disable-pip-version-check --no-deps embreex==4.4.0.post1 >&2 ||
+        fail 'pip could not install embreex, in which Embree 4 is'
+    embree_4="$(echo "$environment"/lib/python3*/site-packages/embreex.libs/libembree4*)"
+    EMBREE_4="$embree_4" RUSTFLAGS='-C target-cpu=native' \
+        build_package --package raycontact-bench-peers --target-dir "$target/native"
     printf '%s\n' "$target/native/release/libraycontact_bench_peers.so"
 }
 

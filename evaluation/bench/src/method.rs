@@ -109,6 +109,7 @@ pub fn all() -> Vec<Description> {
         method("embree-refit-sse2", F32, 1),
         method("embree-refit", F32, 2),
         method("embree-low", F32, 1),
+        method("embree4-refit", F32, 1),
         method("parry3d-refit", F32, 1),
         method("obvhs-refit", F32, 1),
         method("tinybvh-refit", F32, 1),

@@ -54,7 +54,7 @@ shared_library! {
     peer_step: fn(*mut c_void, *mut Stages) -> bool;
     peer_contacts: fn(*const c_void, *mut usize) -> *const PeerContact;
     peer_free: fn(*mut c_void);
-    rays_new: fn(*const c_char, bool, *const BodyView) -> *mut c_void;
+    rays_new: fn(bool, *const c_char, bool, *const BodyView) -> *mut c_void;
     rays_trace: fn(*const c_void, *mut c_void, usize, u32);
     rays_free: fn(*mut c_void);
 }

@@ -15,8 +15,8 @@ const digits = (number) => String(number).replace(/\B(?=(\d{3})+$)/g, "\u00a0");
 export const methodNames = {
   raycontact: "raycontact, default", "raycontact-paper": "raycontact, paper's options", "raycontact-rust": "raycontact, from Rust",
   "raycontact-paper-classic": "raycontact, paper's options and octree", "lower-bound": "lower bound",
-  "embree-refit": "Embree, tree refitted", "embree-low": "Embree, tree rebuilt", "parry3d-refit": "Parry, tree refitted",
-  "obvhs-refit": "obvhs, tree refitted", "fcl-aabb": "FCL", "bullet-vf": "Bullet VF",
+  "embree-refit": "Embree, tree refitted", "embree-low": "Embree, tree rebuilt", "embree4-refit": "Embree 4, tree refitted",
+  "parry3d-refit": "Parry, tree refitted", "obvhs-refit": "obvhs, tree refitted", "fcl-aabb": "FCL", "bullet-vf": "Bullet VF",
 };
 const tracers = ["raycontact-paper", "raycontact", "embree-refit", "embree-low", "obvhs-refit", "parry3d-refit"];
 const precision = (method) => (method === "raycontact" ? "f64" : "f32");

@@ -9,7 +9,8 @@ namespace bench {
 
 constexpr uint32_t no_triangle = 0xffffffffu;
 
-/// A ray and its hit, laid out as Embree's RTCRayHit, so that no peer has to convert more than it must.
+/// A ray and its hit, laid out as the RTCRayHit of Embree 4, which ends with one number more than Embree 3's, so that
+/// no peer has to convert more than it must.
 struct alignas(16) RayHit {
   float origin[3], t_min;
   float direction[3], time;
@@ -20,7 +21,7 @@ struct alignas(16) RayHit {
   float normal[3];  // of the triangle hit, any length
   float u, v;
   uint32_t triangle;  // hit, or no_triangle
-  uint32_t geometry, instance;
+  uint32_t geometry, instance, part_of_instance;
 };
 
 /// A peer's search structure over one body.

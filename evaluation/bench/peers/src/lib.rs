@@ -16,7 +16,12 @@ mod cpp {
         pub fn bench_peer_step(peer: *mut c_void, stages: *mut f64) -> bool;
         pub fn bench_peer_contacts(peer: *const c_void, count: *mut usize) -> *const c_void;
         pub fn bench_peer_free(peer: *mut c_void);
-        pub fn bench_rays_new(instructions: *const c_char, refits: bool, body: *const c_void) -> *mut c_void;
+        pub fn bench_rays_new(
+            is_embree_4: bool,
+            instructions: *const c_char,
+            refits: bool,
+            body: *const c_void,
+        ) -> *mut c_void;
         pub fn bench_rays_trace(rays: *const c_void, hits: *mut c_void, count: usize, way: u32);
         pub fn bench_rays_free(rays: *mut c_void);
     }
@@ -67,18 +72,24 @@ pub unsafe extern "C" fn peer_free(peer: *mut c_void) {
     unsafe { cpp::bench_peer_free(peer) }
 }
 
-/// What traces rays in one body with Embree: with no better instructions than `instructions` says, in Embree's words, and with a
-/// tree built once, or one that is made to be refitted.
+/// What traces rays in one body with Embree 3.13 or Embree 4: with no better instructions than `instructions` says, in
+/// Embree's words, and with a tree built once, or one that is made to be refitted.
 ///
 /// # Safety
 /// A terminated string, and a body whose arrays outlive this.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn rays_new(instructions: *const c_char, refits: bool, body: *const c_void) -> *mut c_void {
+pub unsafe extern "C" fn rays_new(
+    is_embree_4: bool,
+    instructions: *const c_char,
+    refits: bool,
+    body: *const c_void,
+) -> *mut c_void {
     // SAFETY: the caller's promise.
-    unsafe { cpp::bench_rays_new(instructions, refits, body) }
+    unsafe { cpp::bench_rays_new(is_embree_4, instructions, refits, body) }
 }
 
-/// Traces rays, which are written over by their hits: one by one (0), or in a coherent (1) or incoherent (2) stream.
+/// Traces rays, which are written over by their hits: one by one (0), or in a coherent (1) or incoherent (2) stream,
+/// which Embree 4 does not have.
 ///
 /// # Safety
 /// What [`rays_new`] gave, and so many rays, laid out as Embree's.

@@ -33,6 +33,7 @@ pub struct RayHit {
     pub triangle: u32,
     pub geometry: u32,
     pub instance: u32,
+    pub part_of_instance: u32,
 }
 
 pub trait Structure {

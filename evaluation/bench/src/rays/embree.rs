@@ -6,7 +6,7 @@ use std::ffi::{CString, c_void};
 
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// As Embree's `RTCRayHit`.
+/// As `RayHit` in `peers/cpp/ray_step.hpp`.
 #[repr(C, align(16))]
 #[derive(Clone, Copy)]
 pub struct RayHit {
@@ -24,6 +24,7 @@ pub struct RayHit {
     pub triangle: u32,
     geometry: u32,
     instance: u32,
+    part_of_instance: u32,
 }
 
 impl From<&Ray> for RayHit {
@@ -42,11 +43,12 @@ impl From<&Ray> for RayHit {
             triangle: NO_TRIANGLE,
             geometry: NO_TRIANGLE,
             instance: NO_TRIANGLE,
+            part_of_instance: NO_TRIANGLE,
         }
     }
 }
 
-/// As `Way` in `peers/cpp/rays.cpp`.
+/// As `Way` in `peers/cpp/embree.hpp`.
 #[derive(Clone, Copy)]
 pub enum Way {
     Single,
@@ -61,10 +63,10 @@ pub struct Surface<'a> {
 
 impl<'a> Surface<'a> {
     /// The view must stay good.
-    pub fn new(library: &'a Library, instructions: &str, refits: bool, view: &BodyView) -> Self {
+    pub fn new(library: &'a Library, is_embree_4: bool, instructions: &str, refits: bool, view: &BodyView) -> Self {
         let terminated = CString::new(instructions).expect("names hold no zero");
         // SAFETY: the view is good.
-        Self { library, scene: unsafe { (library.rays_new)(terminated.as_ptr(), refits, view) } }
+        Self { library, scene: unsafe { (library.rays_new)(is_embree_4, terminated.as_ptr(), refits, view) } }
     }
 
     pub fn trace(&self, rays: &mut [RayHit], way: Way) {

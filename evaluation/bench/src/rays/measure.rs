@@ -46,8 +46,8 @@ pub fn run(workload: &Workload, arguments: &Arguments, libraries: &Libraries) ->
     let [body, other] = [0, 1].map(|number| (&workload.bodies[number], host.bodies[number].single()));
     let view = BodyView::new(body.0, &host.bodies[0]);
     let of_embree = arguments.simd.of_embree();
-    let [built, refitted] =
-        [false, true].map(|refits| embree::Surface::new(&libraries.peers, of_embree, refits, &view));
+    let [built, refitted, built_4, refitted_4] = [(false, false), (false, true), (true, false), (true, true)]
+        .map(|(is_4, refits)| embree::Surface::new(&libraries.peers, is_4, of_embree, refits, &view));
     let single = Surface::new(&libraries.raycontact, body.1, body.0, rayc_scalar::RAYC_SCALAR_F32)?;
     let double = Surface::new(&libraries.raycontact, body.1, body.0, rayc_scalar::RAYC_SCALAR_F64)?;
     let judge = Judge { single: Judged::new(mesh(body)?), double: Judged::new(mesh(body)?) };
@@ -60,6 +60,8 @@ pub fn run(workload: &Workload, arguments: &Arguments, libraries: &Libraries) ->
             ("embree-single", of_embree(&built, false)),
             ("embree-stream", of_embree(&built, true)),
             ("embree-refit-single", of_embree(&refitted, false)),
+            ("embree4-single", of_embree(&built_4, false)),
+            ("embree4-refit-single", of_embree(&refitted_4, false)),
             ("raycontact-single", own(&single, false, false)),
             ("raycontact-batch", own(&single, true, false)),
             ("raycontact-single-f64", own(&double, false, true)),
