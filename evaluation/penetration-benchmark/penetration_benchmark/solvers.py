@@ -5,9 +5,9 @@ Usage: python -m penetration_benchmark.solvers [--quick] [--share S] [--seed N] 
 
 Starts apart (drop, impact) and deep starts (part) are never added. Bodies have a density of 1000 kg/m³, a size of 1 m
 and Coulomb's coefficient 0.5; mass and inertia are the same for all. Each library has up to three declared
-stiffnesses, or what it has in their place. That with which most scenes of seed 1 end well, at steps of 1/60 s, is run
-on another seed, drawn when it is known. Time steps: 1/60 and 1/240 s, and the one of a library's documentation. All else is a library's
-default, but for what its `settings` say.
+stiffnesses, or what it has in their place. That with which most scenes of seed 1 and the same start end well, at
+steps of 1/60 s, is run on another seed, drawn when all are known. Time steps: 1/60 and 1/240 s, and the one of a
+library's documentation. All else is a library's default, but for what its `settings` say.
 
 Outcomes are those of `simulate`, by its judge, and *thrown*: parted, but faster than a shot. `depth` is how far the
 body must be lifted at the end to be free of the ground or, where it was to part, the shortest way out, in its size.
@@ -541,14 +541,14 @@ def scenes(seed, share):
 
 
 def measure(phase, drawn, runs, progress):
-    """Rows of all scenes; runs: of each library its stiffnesses and time steps."""
+    """Rows of all scenes; runs: of each library its stiffnesses, by whether a scene starts deep, and time steps."""
     for done, (pose, surfaces) in enumerate(drawn):
         put_in, kind = Scene(surfaces, pose).put_in(), group(surfaces)
         for library, (stiffnesses, time_steps) in runs.items():
             if library.only_concave and kind == "convex":
                 continue
             what = [phase, pose.id, pose.kind, kind, "-".join(pose.pair), library.name, library.version()]
-            for stiffness, time_step in itertools.product(stiffnesses, time_steps):
+            for stiffness, time_step in itertools.product(stiffnesses[pose.kind == "part"], time_steps):
                 given = [*what, stiffness, f"1/{round(1 / time_step)}"]
                 if pose.kind == "part" and not library.may_overlap:
                     yield [*given, "does not apply", "", ""]
@@ -558,12 +558,12 @@ def measure(phase, drawn, runs, progress):
         progress(done + 1, len(drawn))
 
 
-def best_stiffness(library, rows):
-    """That with which most scenes end well; of equals the first declared."""
-    well = {stiffness: 0 for stiffness in library.stiffnesses}
-    for row in rows:
-        if row[HEAD.index("library")] == library.name:
-            well[row[HEAD.index("stiffness")]] += row[HEAD.index("outcome")] == "done"
+def best_stiffness(library, is_deep, rows):
+    """That with which most scenes of this start end well; of equals the first declared."""
+    well = dict.fromkeys(library.stiffnesses, 0)
+    for row in (dict(zip(HEAD, row)) for row in rows):
+        if row["library"] == library.name and (row["kind"] == "part") == is_deep:
+            well[row["stiffness"]] += row["outcome"] == "done"
     return max(well, key=well.get)
 
 
@@ -592,21 +592,22 @@ def main():
     for name in names:
         if name not in [library.name for library in taking_part]:
             print(f"{name} is left out: not installed", file=sys.stderr)
-    taken = {library: next(iter(library.stiffnesses)) for library in taking_part}
+    taken = {library: [next(iter(library.stiffnesses))] * 2 for library in taking_part}
     out = sys.stdout if options.csv == "-" else open(options.csv, "w", newline="", encoding="utf-8")
     with out:
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(HEAD)
         if not options.quick:
-            tuned = {library: (library.stiffnesses, TIME_STEPS[:1]) for library in taking_part
+            tuned = {library: ([library.stiffnesses] * 2, TIME_STEPS[:1]) for library in taking_part
                      if len(library.stiffnesses) > 1}
             rows = list(measure("tuned", scenes(TUNED_SEED, options.share / 2), tuned, Progress("tuning")))
             writer.writerows(rows)
-            taken.update((library, best_stiffness(library, rows)) for library in tuned)
+            taken.update((library, [best_stiffness(library, is_deep, rows) for is_deep in (False, True)])
+                         for library in tuned)
         seed = secrets.randbelow(10**6) if options.seed is None else options.seed
         steps = {library: TIME_STEPS[:1] if options.quick else dict.fromkeys((*library.time_steps, library.own_step))
                  for library in taking_part}
-        runs = {library: ([taken[library]], steps[library]) for library in taking_part}
+        runs = {library: ([[one] for one in taken[library]], steps[library]) for library in taking_part}
         drawn = scenes(seed, 1 / 13 if options.quick else options.share)
         for row in measure(f"seed {seed}", drawn, runs, Progress("scenes")):
             writer.writerow(row)

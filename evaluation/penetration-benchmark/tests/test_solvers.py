@@ -57,7 +57,7 @@ def test_a_body_that_is_dropped_comes_to_rest(library):
 
 def test_a_deep_start_runs_to_its_end(library):
     pair, pose = scene(library, "part", TURN, -0.2)
-    rows = list(solvers.measure("test", [(pose, pair)], {library: ([next(iter(library.stiffnesses))], [1 / 60])},
+    rows = list(solvers.measure("test", [(pose, pair)], {library: ([list(library.stiffnesses)[:1]] * 2, [1 / 60])},
                                 lambda done, of: None))
     (row,) = (dict(zip(solvers.HEAD, each)) for each in rows)
     if not library.may_overlap:
@@ -70,5 +70,8 @@ def test_the_stiffness_taken_is_the_first_of_the_best():
     a, b, _ = solvers.Mujoco.stiffnesses
     row = ["tuned", 0, "drop", "convex", "slab-box", "MuJoCo", "4", a, "1/60", "stuck", "", ""]
     won = [*row[:7], b, "1/60", "done", "", ""]
-    assert solvers.best_stiffness(solvers.Mujoco, [row, row, row]) == a
-    assert solvers.best_stiffness(solvers.Mujoco, [row, row, won]) == b
+    deep = [*won[:2], "part", *won[3:]]
+    assert solvers.best_stiffness(solvers.Mujoco, False, [row, row, row]) == a
+    assert solvers.best_stiffness(solvers.Mujoco, False, [row, row, won]) == b
+    assert solvers.best_stiffness(solvers.Mujoco, False, [row, deep]) == a
+    assert solvers.best_stiffness(solvers.Mujoco, True, [row, deep]) == b
