@@ -45,7 +45,7 @@ btVector3 vector(const double* v) { return {btScalar(v[0]), btScalar(v[1]), btSc
 extern "C" {
 
 /** A new, empty world in place of the one before; gravity pulls down along x. */
-void bullet_soft_begin(double young, double poisson, double erp, double gravity) {
+void bullet_soft_begin(double young, double poisson, double gravity) {
   current() = std::make_unique<SoftWorld>();
   SoftWorld& made = *current();
   made.constraint_solver.setDeformableSolver(&made.solver);
@@ -56,7 +56,7 @@ void bullet_soft_begin(double young, double poisson, double erp, double gravity)
   made.world.setImplicit(true);
   made.world.setLineSearch(false);
   made.world.setUseProjection(true);
-  made.world.getSolverInfo().m_deformable_erp = btScalar(erp);
+  made.world.getSolverInfo().m_deformable_erp = btScalar(0.3);
   made.world.getSolverInfo().m_deformable_maxErrorReduction = btScalar(200);
   made.world.getSolverInfo().m_leastSquaresResidualThreshold = btScalar(1e-3);
   made.world.getSolverInfo().m_splitImpulse = false;

@@ -123,6 +123,10 @@ class IpcToolkit(Solver):
         ipctk.set_logger_level(ipctk.LoggerLevel.off)
         rest, triangles = np.asfortranarray(self.x), np.asfortranarray(self.scene.triangles, np.int32)
         self.mesh = ipctk.CollisionMesh.build_from_full_mesh(rest, ipctk.edges(triangles), triangles)
+        # No body touches itself, as with the others.
+        numbers = np.repeat(np.arange(len(self.scene.bodies), dtype=np.int32), np.diff(self.scene.firsts))
+        outer = [self.mesh.to_full_vertex_id(i) for i in range(self.mesh.num_vertices)]
+        self.mesh.can_collide = ipctk.make_vertex_patches_filter(numbers[outer])
         self.diagonal = np.linalg.norm(np.ptp(rest, axis=0))
         self.reach = 1e-3 * self.diagonal
         self.barrier, self.stiffness, self.most, self.before = ipctk.ClampedLogBarrier(), None, None, None
@@ -146,6 +150,8 @@ class IpcToolkit(Solver):
     def step(self):
         ipctk, solid, mass, dt = self.ipctk, self.solid, self.heavy(), self.time_step
         aim, x = self.x + dt * self.free(), self.x.copy()
+        # Its default, tight inclusion, takes long where boxes have parallel sides.
+        search = ipctk.AdditiveCCD(max_iterations=100_000)
         found = self.collisions(x)
         for _ in range(MOST_ITERATIONS):
             elastic = solid.slope(x).ravel() * dt ** 2 + mass * (x - aim).ravel()
@@ -161,7 +167,8 @@ class IpcToolkit(Solver):
             way = -splu(matrix.tocsc()).solve(elastic + dt ** 2 * push).reshape(x.shape)
             if np.abs(way).max() < 1e-3 * SPEED * dt:
                 break
-            part = ipctk.compute_collision_free_stepsize(self.mesh, self.outer(x), self.outer(x + way))
+            part = ipctk.compute_collision_free_stepsize(
+                self.mesh, self.outer(x), self.outer(x + way), narrow_phase_ccd=search)
             energy = self.total(x, aim, found)
             while part > 1e-12:
                 after = self.collisions(x + part * way)
@@ -213,8 +220,8 @@ class Mujoco(Solver):
 
 class Bullet(Solver):
     name = "Bullet"
-    stiffnesses = {"erp 0.3": 0.3, "erp 0.06": 0.06, "erp 0.8": 0.8}
-    time_steps = (FRAME,)
+    # In place of a stiffness its margin, since its contact sees only what lies that near a face.
+    stiffnesses = {"margin 0.001": 0.001, "margin 0.01": 0.01, "margin 0.1": 0.1}
     OWN_STEP = 1 / 240
 
     @classmethod
@@ -224,12 +231,12 @@ class Bullet(Solver):
     def build(self, stiffness):
         self.library = ctypes.CDLL(os.path.join(os.environ["PENETRATION_BUILD"], "bullet_soft.so"))
         number, pointer, count = ctypes.c_double, ctypes.c_void_p, ctypes.c_int
-        self.library.bullet_soft_begin.argtypes = [number] * 4
+        self.library.bullet_soft_begin.argtypes = [number] * 3
         self.library.bullet_soft_add.argtypes = [pointer] * 3 + [count, pointer, count, number]
         self.library.bullet_soft_push.argtypes = [pointer, count, number]
         self.library.bullet_soft_step.argtypes = [number, count]
         self.library.bullet_soft_read.argtypes = [pointer]
-        self.library.bullet_soft_begin(YOUNG, POISSON, stiffness, self.scene.gravity)
+        self.library.bullet_soft_begin(YOUNG, POISSON, self.scene.gravity)
         mass = self.solid.mass.copy()
         # As it marks what does not move by itself.
         mass[self.held] = 0
@@ -237,7 +244,7 @@ class Bullet(Solver):
             arrays = [np.ascontiguousarray(array) for array in arrays]
             tetrahedra = np.ascontiguousarray(body.tetrahedra, np.intc)
             self.library.bullet_soft_add(*(array.ctypes.data for array in arrays), len(body.points),
-                                         tetrahedra.ctypes.data, len(tetrahedra), 0.001)
+                                         tetrahedra.ctypes.data, len(tetrahedra), stiffness)
 
     def step(self):
         pushed = np.ascontiguousarray(self.pushed, np.intc)
