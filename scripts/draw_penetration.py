@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Draws free.svg, simulate.svg and directions.svg from free.csv, simulate.csv and measure.csv in one folder.
+"""Draws free.svg, simulate.svg, directions.svg and solvers.svg from the CSV files in one folder.
 
 Usage: draw_penetration.py [docs/penetration]
 
@@ -10,7 +10,7 @@ scripts/penetration.sh measures and calls it. Needs matplotlib.
 import os
 
 import document_tables
-from drawing import draw_in_folder, plot, save
+from drawing import draw_in_folder, numpy, plot, save
 
 # Told apart by colour-blind readers too.
 OUTCOMES = {"freed": ("apart", "#1b6ab3"), "nearly": ("apart after a shift of 2 % of the size", "#8fbce6"),
@@ -20,6 +20,10 @@ ENDS = {"done": ("at rest, kept out, apart", "#1b6ab3"), "restless": ("never at 
         "sunk": ("sunk in or through", "#ee8822"), "stuck": ("still overlapping", "#f6c58a"),
         "exploded": ("exploded", "#c02050"), "refused": ("shapes refused", "#cccccc")}
 SCENES = {"drop": "drop: at rest", "impact": "impact: kept out", "part": "part: apart"}
+# Libraries in their own solvers: colour and sign.
+SOLVERS = {"raycontact": ("#1b6ab3", "o"), "IPC Toolkit": ("#555555", "s"), "MuJoCo": ("#ee8822", "^"),
+           "MuJoCo with sdf": ("#ee8822", "v"), "Bullet": ("#c02050", "D"), "Bullet with convex parts": ("#c02050", "P"),
+           "Drake": ("#228833", "X")}
 JUDGES = {"overlap_volume": ("even pressure", "#555555", "s"), "hydroelastic": ("hydroelastic contact", "#1b6ab3", "o")}
 
 
@@ -93,7 +97,37 @@ def draw_directions(folder):
     save(figure, folder, "directions.svg", bbox_inches="tight")
 
 
+def draw_solvers(folder):
+    """What a second of computing buys: runs that end well by the processor's time, at each library's first time step."""
+    runs = {}
+    for elastic, name in (("rigid", "solvers.csv"), ("elastic", "deforming.csv")):
+        rows = [row for row in read(folder, name) if row["phase"] != "tuned" and row["outcome"] != "does not apply"]
+        steps = {row["library"]: row["time_step"] for row in rows[::-1]}
+        for row in rows:
+            start = row.get("start") or ("deep" if row["kind"] == "part" else "apart")
+            if row["time_step"] == steps[row["library"]]:
+                is_well, seconds = row["outcome"] in ("done", "parted", "carried"), float(row.get("cost") or row["seconds"])
+                runs.setdefault(f"{elastic}, {start}", {}).setdefault(row["library"], []).append((is_well, seconds))
+    figure, panels = plot.subplots(1, len(runs), figsize=(8.4, 2.4), sharey=True, layout="constrained")
+    marks = {}
+    for axes, (title, found) in zip(panels, runs.items()):
+        for library, ends in found.items():
+            colour, marker = SOLVERS[library]
+            share = 100 * sum(is_well for is_well, _ in ends) / len(ends)
+            (marks[library],) = axes.plot(numpy.median([seconds for _, seconds in ends]), share, marker, color=colour,
+                                          markersize=6, linestyle="none", alpha=0.8)
+        axes.set(title=title, xscale="log", ylim=(-5, 105), xlim=(1e-3, 5) if title.startswith("rigid") else (0.2, 100))
+        axes.grid(linewidth=0.4)
+    panels[0].set_ylabel("% ended well")
+    panels[len(panels) // 2].set_xlabel("the processor's seconds of a run, rigid: of a second; median")
+    ordered = [library for library in SOLVERS if library in marks]
+    figure.legend([marks[library] for library in ordered], ordered, fontsize=8, ncols=4, loc="lower center",
+                  bbox_to_anchor=(0.5, 1.0))
+    save(figure, folder, "solvers.svg", bbox_inches="tight")
+
+
 def draw(folder):
+    draw_solvers(folder)
     draw_free(folder)
     draw_simulate(folder)
     draw_directions(folder)

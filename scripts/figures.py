@@ -101,28 +101,28 @@ def time_of(method):
     return f"{statistics.median(found):.2g} / {max(found):.2g}" if found else "–"
 
 
-# Embree hands out rays; the areas of their contacts are raycontact's.
-FORCES = {"raycontact": DEFAULT,
-          "embree-refit": "law=ray-length sampling=vertices precision=f32 layout=wide edges=on weights=area"}
+# Embree hands out rays; the areas of its contacts are its adapter's.
+FORCES = {"raycontact": DEFAULT, "embree-refit": "precision=f32 weights=area"}
 
 
 def error_of(method):
     if method not in FORCES:
         return "–"
-    found = [100 * float(row["force_error"]) for row in only("chart/chart.csv", method="raycontact", settings=FORCES[method])]
+    found = [100 * float(row["force_error"]) for row in only("chart/chart.csv", method=method, settings=FORCES[method])]
     return f"{statistics.median(found):.2g} % / {max(found):.3g} %"
 
 
-def direction_of(library, shapes):
-    row = only("penetration/measure.csv", library=library, kind="random", shapes=shapes, judge="hydroelastic")[0]
+def direction_of(library, shapes, judge):
+    row = only("penetration/measure.csv", library=library, kind="random", shapes=shapes, judge=judge)[0]
     silent = f", {row['silent']} of {row['poses']} silent" if row["silent"] != "0" else ""
     return " / ".join(f"{float(f'{float(row[column]):.2g}'):g}°" for column in ("median", "worst")) + silent
 
 
-def recovery_of(library):
+def recovery_of(library, shapes):
+    """Of poses deep in one another, all kinds together and the worst kind."""
     parts = {}
-    for row in only("penetration/free.csv", library=library):
-        if row["kind"] != "shallow":
+    for row in only("penetration/free.csv", library=library, shapes=shapes):
+        if row["kind"] not in ("shallow", "edges"):
             freed, asked = parts.get(row["kind"], (0, 0))
             parts[row["kind"]] = freed + int(row["freed"]), asked + int(row["poses"]) - int(row["refused"])
     freed, asked = (sum(values) for values in zip(*parts.values()))
@@ -135,9 +135,11 @@ def claims():
     return table(["median / worst", *LIBRARIES], [
         ["time: the default's over theirs", *map(time_of, methods)],
         ["force, off the limit of its own law", *map(error_of, methods)],
-        ["direction, to hydroelastic contact, convex", *(direction_of(library, "convex") for library in libraries)],
-        ["the same, concave", *(direction_of(library, "concave") for library in libraries)],
-        ["deep starts that come apart: all / worst kind", *map(recovery_of, libraries)],
+        *([f"direction, to {name}, {shapes}", *(direction_of(library, shapes, judge) for library in libraries)]
+          for judge, name in (("hydroelastic", "hydroelastic contact"), ("overlap_volume", "an even pressure"))
+          for shapes in ("convex", "concave")),
+        *([f"deep starts that come apart, {shapes}: all / worst kind", *(recovery_of(library, shapes) for library in libraries)]
+          for shapes in ("convex", "concave")),
     ])
 
 
@@ -246,20 +248,65 @@ def queries_wrong():
         for library, (off, wrong) in found.items()])
 
 
-def deforming():
-    """Of each scene and start what became of it with each library."""
+def deforming_runs():
+    """All that count. `column`: the library, with its time step where it has several."""
+    listed = [row for row in rows("penetration/deforming.csv") if row["phase"] != "tuned"]
+    for row in listed:
+        steps = {other["time_step"] for other in listed if other["library"] == row["library"]}
+        row["column"] = row["library"] + f", {row['time_step']} s" * (len(steps) > 1)
+        row["is_well"] = row["outcome"] in ("parted", "carried")
+    return listed
+
+
+def deforming_summary():
+    """Of each library and start how many scenes end well, and in what time."""
+    listed, lines = deforming_runs(), []
+    starts = list(dict.fromkeys(row["start"] for row in listed))
+    for column in dict.fromkeys(row["column"] for row in listed):
+        line = [column]
+        for start in starts:
+            found = [row for row in listed if (row["column"], row["start"]) == (column, start) and row["seconds"]]
+            well = f"{sum(row['is_well'] for row in found)} of {len(found)}"
+            spent = f"{statistics.median(float(row['seconds']) for row in found):.2g}" if found else ""
+            line += [f"{found[0]['stiffness']}: {well}", spent] if found else ["does not apply", "–"]
+        lines.append(line)
+    return table(["library", *(head for start in starts for head in (f"{start}, ended well", "seconds"))], lines)
+
+
+def deforming(*starts):
+    """Of each scene of these starts what became of it with each library."""
     def cell(row):
         inverted = f", {row['inverted']} inverted" * (row["inverted"] not in ("", "0"))
-        if row["parted"] == "yes":
-            return f"{row['parted_after'] or '–'} / {row['seconds']}{inverted}"
-        return f"no, {row['depth']} deep{inverted} / {row['seconds']}" if row["parted"] == "no" else row["parted"]
+        if row["outcome"] == "parted":
+            energy = f", {float(row['energy']):.3g} J" * (row["start"] == "deep")
+            return f"{row['parted_after'] or '–'} / {row['seconds']}{energy}{inverted}"
+        if row["outcome"] in ("stuck", "carried", "not carried"):
+            return f"{'no, ' * (row['outcome'] != 'carried')}{row['depth']} deep{inverted} / {row['seconds']}"
+        return f"{row['outcome']}{' / ' * bool(row['seconds'])}{row['seconds']}"
 
-    listed = rows("penetration/deforming.csv")
-    libraries = list(dict.fromkeys(row["library"] for row in listed))
+    listed = [row for row in deforming_runs() if row["start"] in starts]
+    cells = {(row["scene"], row["start"], row["column"]): cell(row) for row in listed}
+    columns = list(dict.fromkeys(row["column"] for row in listed))
     scenes = dict.fromkeys((row["scene"], row["start"], row["tetrahedra"]) for row in listed)
-    cells = {(row["scene"], row["start"], row["library"]): cell(row) for row in listed}
-    return table(["scene", "start", "tetrahedra", *libraries],
-                 [[*scene, *(cells[*scene[:2], library] for library in libraries)] for scene in scenes])
+    return table(["scene", "start", "tetrahedra", *columns],
+                 [[*scene, *(cells[*scene[:2], column] for column in columns)] for scene in scenes])
+
+
+def deforming_tuned():
+    """Of each library and start, the scenes of the first seed that end well by each declared stiffness."""
+    tuned, lines = only("penetration/deforming.csv", phase="tuned"), []
+    for library in dict.fromkeys(row["library"] for row in tuned):
+        for start in dict.fromkeys(row["start"] for row in tuned):
+            found = [row for row in tuned if (row["library"], row["start"]) == (library, start)]
+            well = {}
+            for row in found:
+                well.setdefault(row["stiffness"], []).append(row["outcome"] in ("parted", "carried"))
+            best = max(map(sum, well.values()))
+            texts = [f"{stiffness}: {sum(ends)} of {len(ends)}" for stiffness, ends in well.items()]
+            taken = next(number for number, ends in enumerate(well.values()) if sum(ends) == best)
+            texts[taken] = f"**{texts[taken]}**"
+            lines.append([library, start, *texts])
+    return table(["library", "start", "documented", "second", "third"], lines)
 
 
 def deep():
@@ -294,6 +341,12 @@ def poses_table():
         for row in rows("stability/poses.csv")])
 
 
+def one_by_one(method):
+    """The time of Embree 3.13's single rays over that of these, with AVX2."""
+    return span([float(row["embree_single_over_this"]) for row in only("performance/rays_avx2.csv", method=method)],
+                "{:.2f}")
+
+
 def figures():
     """By name, the text of each table or figure."""
     runs = draw_stability.read(DOCS / "stability/map.csv")
@@ -318,14 +371,20 @@ def figures():
         "defaults": defaults(),
         "deep": deep(), "trees": pivot(only("performance/trees.csv", precision="f32", threads="1"), ["workload"], "method",
                                        "total_us", "{:.3g}"),
-        "deforming": deforming(),
+        "deforming": deforming("apart", "deep"), "deforming, loads": deforming("loaded"),
+        "deforming, tuned": deforming_tuned(), "deforming, all": deforming_summary(),
         "queries": queries_table(), "queries by surface": queries_by_surface(), "queries, wrong": queries_wrong(),
         **{f"{question}, {positions}, {library}": median_and_least(queries(question, positions, "raycontact")[library])
            for question in ("distance", "signed") for positions in ("moved", "still")
            for library in queries(question, positions, "raycontact")},
+        "rays, avx2": pivot(rows("performance/rays_avx2.csv"), ["workload", "kind"], "method", "embree_single_over_this",
+                            "{:.2f}"),
+        "single rays, avx2": one_by_one("raycontact-single"), "single rays of Embree 4": one_by_one("embree4-single"),
         "all rays": pivot(only("performance/rays.csv", simd="avx512"), ["workload", "kind"], "method",
                           "embree_single_over_this", "{:.2f}"),
         "anchors": pivot(rows("performance/anchors.csv"), ["scene", "library", "question"], "triangles", "ms", "{:.3g}"),
+        "contacts of folded": " and ".join(str(step("performance/detect.csv", method, "folded")[0])
+                                           for method in ("embree-refit", "raycontact")),
         "poses": poses_table(),
         "poses apart": apart(poses[:1]), "poses of other seeds apart": apart(others),
         "poses, steps": poses[0]["median_steps"],

@@ -268,6 +268,19 @@ def solvers(rows, is_deep):
     return ranked(head, libraries, columns, {library: columns[1][library][1] for library in libraries})
 
 
+def solvers_by_seed(rows):
+    """Of three libraries, on several seeds: runs that ended well, in per cent, at the steps that all have."""
+    rows = [row for row in rows if row["phase"] != "tuned" and row["time_step"] in ("1/60", "1/240")]
+    seeds = list(dict.fromkeys(row["phase"].removeprefix("seed ") for row in rows))
+    lines = []
+    for library in ("raycontact", "MuJoCo", "Bullet"):
+        for start in ("apart", "deep"):
+            own = [row for row in only(rows, library=library) if (row["kind"] == "part") == (start == "deep")]
+            parts = [own] + [only(own, phase=f"seed {seed}") for seed in seeds]
+            lines.append([library, start, *(f"{100 * len(only(part, outcome='done')) / len(part):.0f}" for part in parts)])
+    return table(["library", "start", "all", *seeds], lines)
+
+
 def intersecting(rows):
     lines = [[row["kind"], row["poses"], row["told_intersecting"], f"{float(row['median_share']):.2g}",
               f"{float(row['largest_share']):.2g}"] for row in rows]
@@ -338,6 +351,7 @@ def tables(folder):
         "simulate_steps, deep": simulated_steps(read(folder, "simulate"), True),
         "solvers, apart": solvers(read(folder, "solvers"), False),
         "solvers, deep": solvers(read(folder, "solvers"), True),
+        "solvers, seeds": solvers_by_seed(read(folder, "solvers") + read(folder, "solvers_seeds")),
         "intersecting": intersecting(read(folder, "intersecting")),
         "self": self_contact(read(folder, "self")),
         "self_times": self_times(read(folder, "self")),
