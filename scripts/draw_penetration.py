@@ -118,6 +118,7 @@ def draw_solvers(folder):
                                           markersize=6, linestyle="none", alpha=0.8)
         axes.set(title=title, xscale="log", ylim=(-5, 105), xlim=(1e-3, 5) if title.startswith("rigid") else (0.2, 100))
         axes.grid(linewidth=0.4)
+        axes.minorticks_off()
     panels[0].set_ylabel("% ended well")
     panels[len(panels) // 2].set_xlabel("the processor's seconds of a run, rigid: of a second; median")
     ordered = [library for library in SOLVERS if library in marks]

@@ -3,6 +3,7 @@
 
 import argparse
 import os
+import re
 import sys
 
 import document_tables
@@ -19,9 +20,17 @@ except ModuleNotFoundError:
 
 
 def save(figure, folder, name, **how):
-    """Neither date nor random names: the same figures give the same file."""
-    figure.savefig(os.path.join(folder, name), metadata={"Date": None}, **how)
+    """Neither date nor random names: the same figures give the same file. Nor indents, nor parts of a hundredth of a
+    point, which are a third of it."""
+    path = os.path.join(folder, name)
+    figure.savefig(path, metadata={"Date": None}, **how)
     plot.close(figure)
+    with open(path, encoding="utf-8") as file:
+        text = re.sub(r"\n +", "\n", file.read())
+    # Within tags alone: what is written in a figure stays.
+    text = re.sub("<[^>]*>", lambda tag: re.sub(r"(\d\.\d\d)\d+", r"\1", tag[0]), text)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
 
 
 def run(work, arguments, hint=""):
