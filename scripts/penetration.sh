@@ -10,7 +10,7 @@ Runs evaluation/penetration-benchmark/ in a virtual environment of its own in ta
 its peers from PyPI and Debian, in fixed versions.
   --quick   (default) every tenth pose; the CSV files go to target/penetration/quick. A few minutes
   --full    installs the peers, runs all poses, scenes and bodies, and renews the CSV files in docs/penetration, the
-            charts beside them and the tables of docs/penetration.md. About an hour
+            charts beside them and the tables of docs/penetration.md. Two hours
   --own     without peers: renews docs/penetration/quick, this library's own answers that --check asks for. A minute
   --deforming   elastic bodies, each library in its own solver, on a seed drawn once its stiffness is chosen; with a
             closed surface of yours too. Renews deforming.csv in docs/penetration. Half an hour
@@ -56,16 +56,19 @@ head_all() {
     local file
     for file in "$1"/*.csv; do head_csv "$file" 1 "${*:2}"; done
 }
-renew_own() {
+measure_own() {
     run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-own-exits \
         --tasks measure,free,detect,simulate,self
-    mkdir -p "$docs/quick"
     head_all "$folder/own" scripts/penetration.sh --own
+}
+keep_own() {
+    mkdir -p "$docs/quick"
     cp "$folder/own"/*.csv "$docs/quick/"
 }
 if [[ $size == --own ]]; then
     say 'Measuring'
-    renew_own
+    measure_own
+    keep_own
     exit 0
 fi
 
@@ -124,10 +127,12 @@ run "$folder/full" --tasks detect,measure,intersecting,simulate,self
 run "$folder/free" --tasks free --share 53 \
     --libraries raycontact,raycontact-paper,raycontact-no-escape,embree,trimesh,fcl,coal,coal-patches,bullet
 run "$folder/free-slow" --tasks free --share 5.3 --libraries mujoco,drake
-renew_own
+measure_own
 { cat "$folder/free/free.csv" && tail --lines=+2 "$folder/free-slow/free.csv"; } >"$folder/full/free.csv"
 head_all "$folder/full" scripts/penetration.sh --full
+# Only now, since a commit whose files have changed is marked so in the heads.
 cp "$folder/full"/*.csv "$docs/"
+keep_own
 "$environment/bin/python" "$root/scripts/draw_penetration.py" "$docs" || fail 'the charts could not be drawn, see above'
 "$environment/bin/python" "$root/scripts/figures.py" --renew || fail 'the pages could not be renewed, see above'
 say "Figures and charts: $docs"
