@@ -210,7 +210,7 @@ def queries_table():
                  if not name.startswith("raycontact")]
     lines = []
     for own in ("raycontact", "raycontact, single"):
-        for question in ("distance", "signed"):
+        for question in ("distance", "inside", "signed"):
             for positions in ("moved", "still"):
                 found = queries(question, positions, own)
                 precision = "single" if own.endswith("single") else "double"
@@ -240,7 +240,7 @@ def queries_wrong():
     for row in rows(QUERIES):
         off, wrong = found.get(row["library"], (0, 0))
         # One check serves the moved and the still.
-        is_counted = row["question"] == "signed" and row["positions"] == "still"
+        is_counted = row["question"] != "distance" and row["positions"] == "still"
         found[row["library"]] = max(off, float(row["worst"])), wrong + is_counted * int(row["wrong_side"])
     return table(["library", "version", "largest error of a distance", "wrong sides"], [
         [library, only(QUERIES, library=library)[0]["version"], f"{off:.1g}",
@@ -375,7 +375,7 @@ def figures():
         "deforming, tuned": deforming_tuned(), "deforming, all": deforming_summary(),
         "queries": queries_table(), "queries by surface": queries_by_surface(), "queries, wrong": queries_wrong(),
         **{f"{question}, {positions}, {library}": median_and_least(queries(question, positions, "raycontact")[library])
-           for question in ("distance", "signed") for positions in ("moved", "still")
+           for question in ("distance", "inside", "signed") for positions in ("moved", "still")
            for library in queries(question, positions, "raycontact")},
         "rays, avx2": pivot(rows("performance/rays_avx2.csv"), ["workload", "kind"], "method", "embree_single_over_this",
                             "{:.2f}"),

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""Times nearest points and signed distances of raycontact beside other libraries, all called from Python in turns.
+"""Times nearest points, inside tests and signed distances of raycontact beside other libraries, all called from Python
+in turns.
 
 Usage: measure.py [--peers FILE] [--points N] [--rounds N] [--files OBJ,...] [CSV]
 
 Surfaces: a cube of 12 triangles, tori of 500, 5000 and 100 000, and closed surfaces of your own (--files). They ripple
 by a 200th of their size from step to step. Points: `near`, within 2 % of the size of the surface, and `far`, anywhere in
 a box of twice the size, both in random order; and `body`, the vertices of a torus that overlaps the surface, in the
-order of the mesh, as in contact. Questions: `distance` to the nearest point, and `signed`, negative inside.
+order of the mesh, as in contact. Questions: `distance` to the nearest point, `inside` by a winding number or as a
+library tells it, and `signed`, the distance negative inside.
 
 Each question is asked twice: `still`, the points alone, and `moved`, with new positions of all vertices, and the tree
 refitted, or built anew where a library cannot refit. Arrays are ready in the form that a library wants, and answers stay
@@ -16,7 +18,7 @@ three seconds for its rounds is asked no more, and `rounds` says how often it wa
 more than 1000 triangles.
 
 Before they are timed, the answers for some points are held against all triangles in double precision, before and after
-a move: `worst` is the largest error of a distance in parts of the surface's size, and `wrong_side` counts wrong signs.
+a move: `worst` is the largest error of a distance in parts of the surface's size, and `wrong_side` counts wrong sides.
 Of points nearer to the surface than a 100 000th of the size the sign does not count, since single precision cannot tell.
 
 Exit status: 0 when measured, 1 when something fails or a distance is off by more than a 10 000th of the size, 2 for a
@@ -139,7 +141,7 @@ def exact_inside(points, triangles, asked):
 
 class Library:
     dtype = np.float64
-    questions = ("distance", "signed")
+    questions = ("distance", "inside", "signed")
 
     def ready_positions(self, positions):
         return np.ascontiguousarray(positions, self.dtype)
@@ -148,6 +150,9 @@ class Library:
 
     def distances(self, answer):
         return np.asarray(answer, np.float64)
+
+    def are_inside(self, answer):
+        return np.asarray(answer) > 0.5
 
 
 class Raycontact(Library):
@@ -165,6 +170,9 @@ class Raycontact(Library):
 
     def distance(self, points):
         return self.mesh.closest_points(points)["distance"]
+
+    def inside(self, points):
+        return self.mesh.contains(points)
 
     def signed(self, points):
         return self.mesh.signed_distances(points)
@@ -206,6 +214,9 @@ class Shim(Library):
 
     def distance(self, points):
         return self.ask("closest", points)
+
+    def inside(self, points):
+        return self.ask("inside", points)
 
     def signed(self, points):
         return self.ask("signed", points)
@@ -264,11 +275,14 @@ class Libigl(Library):
     def distance(self, points):
         return np.sqrt(self.tree.squared_distance(self.positions, self.triangles, points)[0])
 
-    def signed(self, points):
+    def inside(self, points):
         if self.winding is None:
             self.winding = self.igl.FastWindingNumberBVH()
             self.winding.init(self.positions, self.triangles)
-        return np.where(self.winding.winding_number(points) > 0.5, -(d := self.distance(points)), d)
+        return self.winding.winding_number(points)
+
+    def signed(self, points):
+        return np.where(self.inside(points) > 0.5, -(d := self.distance(points)), d)
 
 
 class Open3d(Library):
@@ -293,11 +307,17 @@ class Open3d(Library):
     def distance(self, points):
         return self.scene.compute_distance(points, nthreads=1)
 
+    def inside(self, points):
+        return self.scene.compute_occupancy(points, nthreads=1)
+
     def signed(self, points):
         return self.scene.compute_signed_distance(points, nthreads=1)
 
     def distances(self, answer):
         return answer.numpy().astype(np.float64)
+
+    def are_inside(self, answer):
+        return answer.numpy() > 0.5
 
 
 class Fcpw(Library):
@@ -331,10 +351,17 @@ class Fcpw(Library):
     def distance(self, points):
         return self.ask(points[0]), None
 
-    def signed(self, points):
+    def inside(self, points):
         inside = self.fcpw.uint32_list()
         self.scene.contains(points[1], inside)
+        return inside
+
+    def signed(self, points):
+        inside = self.inside(points)
         return self.ask(points[0]), inside
+
+    def are_inside(self, answer):
+        return np.array(list(answer)) != 0
 
     def distances(self, answer):
         found, inside = answer
@@ -357,6 +384,9 @@ class Trimesh(Library):
     def distance(self, points):
         return self.trimesh.proximity.closest_point(self.mesh, points)[1]
 
+    def inside(self, points):
+        return self.mesh.contains(points)
+
     def signed(self, points):
         return -self.trimesh.proximity.signed_distance(self.mesh, points)
 
@@ -377,10 +407,13 @@ def checks(libraries, positions, triangles, asked):
             if step:
                 library.move(library.ready_positions(there))
             for question in library.questions:
-                answer = library.distances(getattr(library, question)(library.ready_points(asked)))
-                off = np.abs(np.abs(answer) - far).max() / size
+                answer, off = getattr(library, question)(library.ready_points(asked)), 0.0
+                told = library.are_inside(answer) if question == "inside" else None
+                if told is None:
+                    answer = library.distances(answer)
+                    off, told = np.abs(np.abs(answer) - far).max() / size, answer < 0
                 sure = far > SIGN_COUNTS_BEYOND * size
-                wrong = int(((answer < 0) != inside)[sure].sum()) if question == "signed" else 0
+                wrong = int((told != inside)[sure].sum()) if question != "distance" else 0
                 before = found.get((library, question), (0, 0))
                 found[library, question] = max(before[0], off), before[1] + wrong
     return found
@@ -430,7 +463,7 @@ def main():
             for library in libraries:
                 library.move(library.ready_positions(steps[0]))
             judged = checks(libraries, positions, triangles, points[:: max(1, len(points) // CHECKED)])
-            for question in ("distance", "signed"):
+            for question in Library.questions:
                 asked = [library for library in libraries if question in library.questions]
                 for moves in (True, False):
                     times = timed(asked, steps, points, question, moves, options.rounds)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Nearest points and signed distances by libraries without a Python package that offers them: Embree's point query and
+// Nearest points, inside tests and signed distances by libraries without a Python package that offers them: Embree's point query and
 // CGAL's trees of boxes. measure.py calls it.
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
@@ -195,6 +195,12 @@ class Cgal {
     for (size_t i = 0; i < count; ++i) distances[i] = std::sqrt(tree_->squared_distance(at(points, i)));
   }
 
+  // 1 inside, else 0.
+  void inside(const double* points, size_t count, double* marks) {
+    const Side side(*tree_);
+    for (size_t i = 0; i < count; ++i) marks[i] = side(at(points, i)) == CGAL::ON_BOUNDED_SIDE;
+  }
+
   void signed_distances(const double* points, size_t count, double* distances) {
     closest(points, count, distances);
     const Side side(*tree_);
@@ -237,6 +243,9 @@ void* cgal_create(const double* positions, size_t vertex_count, const uint32_t* 
 void cgal_move(void* it, const double* positions) { static_cast<Cgal*>(it)->move(positions); }
 void cgal_closest(void* it, const double* points, size_t count, double* distances) {
   static_cast<Cgal*>(it)->closest(points, count, distances);
+}
+void cgal_inside(void* it, const double* points, size_t count, double* marks) {
+  static_cast<Cgal*>(it)->inside(points, count, marks);
 }
 void cgal_signed(void* it, const double* points, size_t count, double* distances) {
   static_cast<Cgal*>(it)->signed_distances(points, count, distances);
