@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Nearest points, inside tests and signed distances by libraries without a Python package that offers them: Embree's point query and
-// CGAL's trees of boxes. measure.py calls it.
+// Nearest points, inside tests and signed distances by libraries without a Python package that offers them: Embree's point
+// query and CGAL's trees of boxes. measure.py calls it.
 #include <CGAL/AABB_face_graph_triangle_primitive.h>
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
