@@ -94,10 +94,15 @@ LIBRARIES = {
 DEFAULT = "law=pressure sampling=accuracy:0.01 precision=f64 layout=wide edges=on weights=area"
 
 
-def time_of(method):
+def times_over(method):
+    """The default's time over that of the method, on each workload where both have contacts."""
     name = "performance/detect.csv"
     steps = [row for row in only(name, method=method, threads="1") if row["contacts"] not in ("", "0")]
-    found = [step(name, "raycontact", row["workload"])[1] / float(row["total_us"]) for row in steps]
+    return [step(name, "raycontact", row["workload"])[1] / float(row["total_us"]) for row in steps]
+
+
+def time_of(method):
+    found = times_over(method)
     return f"{statistics.median(found):.2g} / {max(found):.2g}" if found else "–"
 
 
@@ -116,6 +121,11 @@ def direction_of(library, shapes, judge):
     row = only("penetration/measure.csv", library=library, kind="random", shapes=shapes, judge=judge)[0]
     silent = f", {row['silent']} of {row['poses']} silent" if row["silent"] != "0" else ""
     return " / ".join(f"{float(f'{float(row[column]):.2g}'):g}°" for column in ("median", "worst")) + silent
+
+
+def pressed(library, column):
+    row, = only("penetration/measure.csv", library=library, kind="pressed", judge="hydroelastic")
+    return f"{float(row[column]):.2g}°"
 
 
 def recovery_of(library, shapes):
@@ -383,6 +393,10 @@ def figures():
         "all rays": pivot(only("performance/rays.csv", simd="avx512"), ["workload", "kind"], "method",
                           "embree_single_over_this", "{:.2f}"),
         "anchors": pivot(rows("performance/anchors.csv"), ["scene", "library", "question"], "triangles", "ms", "{:.3g}"),
+        "workloads": f"{len(times_over('embree-refit'))}", "workloads of Bullet": f"{len(times_over('bullet-vf'))}",
+        "thorn, found": f"{100 * float(only('chart/chart.csv', scene='spike', method='embree-refit')[0]['recall']):.0f} %",
+        "pressed into a gap, of ten the worst": pressed("raycontact", "ninety"),
+        "pressed into a gap, without escapes": pressed("raycontact, no escape", "worst"),
         "contacts of folded": " and ".join(str(step("performance/detect.csv", method, "folded")[0])
                                            for method in ("embree-refit", "raycontact")),
         "poses": poses_table(),
