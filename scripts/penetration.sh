@@ -13,7 +13,7 @@ its peers from PyPI and Debian, in fixed versions.
             charts beside them and the tables of docs/penetration.md. Two hours
   --own     without peers: renews docs/penetration/quick, this library's own answers that --check asks for. A minute
   --deforming   elastic bodies, each library in its own solver, on a seed drawn once its stiffness is chosen; with a
-            closed surface of yours too. Renews deforming.csv in docs/penetration. Half an hour
+            closed surface of yours too. Renews deforming.csv in docs/penetration, chart and tables. An hour
   --solvers the scenes of simulate, each library in its own solver, on a seed drawn once its stiffness is chosen.
             Renews solvers.csv in docs/penetration. Ten minutes
   --check   what scripts/test.sh asks, without peers: generator, judges, interface, example in C, and that this library
@@ -56,6 +56,10 @@ head_all() {
     local file
     for file in "$1"/*.csv; do head_csv "$file" 1 "${*:2}"; done
 }
+renew_pages() {
+    "$environment/bin/python" "$root/scripts/draw_penetration.py" "$docs" || fail 'the charts could not be drawn, see above'
+    "$environment/bin/python" "$root/scripts/figures.py" --renew || fail 'the pages could not be renewed, see above'
+}
 measure_own() {
     run "$folder/own" --share 0.1 --libraries raycontact,raycontact-paper,raycontact-own-exits \
         --tasks measure,free,detect,simulate,self
@@ -80,7 +84,8 @@ bullet=(c++ -std=c++17 "${flags[@]}" -isystem /usr/include/bullet -Wno-maybe-uni
 
 if [[ $size == --deforming ]]; then
     install_packages libbullet-dev
-    "$environment/bin/pip" install drake==1.51.1 ipctk==1.6.1 mujoco==4.0.0 || fail 'pip could not install the peers'
+    "$environment/bin/pip" install drake==1.51.1 ipctk==1.6.1 matplotlib==3.11.2 mujoco==4.0.0 ||
+        fail 'pip could not install the peers'
     "${bullet[@]}" c/bullet_soft.cpp -o "$PENETRATION_BUILD/bullet_soft.so" -lBulletSoftBody -lBulletDynamics \
         -lBulletCollision -lLinearMath || fail 'c/bullet_soft.cpp could not be built'
     scanned=()
@@ -92,6 +97,7 @@ if [[ $size == --deforming ]]; then
     (cd "$root" && head_csv "$folder/deforming.csv" "$(drawn_seed "$folder/deforming.csv")" \
         "scripts/penetration.sh --deforming${2:+ ${2##*/}}")
     cp "$folder/deforming.csv" "$docs/"
+    renew_pages
     say "Figures: $docs/deforming.csv"
     exit 0
 fi
@@ -114,6 +120,7 @@ if [[ $size == --solvers ]]; then
         fail 'the measurement failed, see above'
     (cd "$root" && head_csv "$folder/solvers.csv" "$(drawn_seed "$folder/solvers.csv")" 'scripts/penetration.sh --solvers')
     cp "$folder/solvers.csv" "$docs/"
+    renew_pages
     say "Figures: $docs/solvers.csv"
     exit 0
 fi
@@ -133,6 +140,5 @@ head_all "$folder/full" scripts/penetration.sh --full
 # Only now, since a commit whose files have changed is marked so in the heads.
 cp "$folder/full"/*.csv "$docs/"
 keep_own
-"$environment/bin/python" "$root/scripts/draw_penetration.py" "$docs" || fail 'the charts could not be drawn, see above'
-"$environment/bin/python" "$root/scripts/figures.py" --renew || fail 'the pages could not be renewed, see above'
+renew_pages
 say "Figures and charts: $docs"

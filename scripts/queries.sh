@@ -30,8 +30,8 @@ install_packages libembree-dev libcgal-dev libusb-1.0-0 libgl1 libgomp1
 "$environment/bin/pip" install embreex==4.4.0.post1 fcpw==1.2.0 libigl==2.6.3 open3d==0.20.0 rtree==1.4.1 scipy==1.17.1 \
     trimesh==5.2.0 || fail 'pip could not install the other libraries'
 # CGAL checks what it does without the first of these.
-c++ -DNDEBUG -std=c++17 -Wall -Wextra -O3 -march=native -shared -fPIC evaluation/queries/peers.cpp \
-    -o "$root/target/queries/peers.so" -lgmp -lmpfr -ldl || fail 'evaluation/queries/peers.cpp could not be built'
+c++ -DNDEBUG -std=c++17 -Wall -Wextra -O3 -march=native -shared -fPIC -Ievaluation/bench/peers/cpp \
+    evaluation/queries/peers.cpp -o "$root/target/queries/peers.so" -lgmp -lmpfr -ldl || fail 'evaluation/queries/peers.cpp could not be built'
 
 say 'Measuring'
 mkdir -p "$root/out/queries"

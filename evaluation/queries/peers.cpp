@@ -7,16 +7,14 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Surface_mesh.h>
-#include <dlfcn.h>
-#include <embree3/rtcore.h>
 
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <stdexcept>
-#include <string>
+
+#include "embree_library.hpp"
 
 namespace {
 
@@ -49,43 +47,6 @@ Float3 nearest_of_triangle(Float3 a, Float3 b, Float3 c, Float3 point) {
   }
   return nearest;
 }
-
-// Embree 3 or 4: what is called here is the same in both, but for the context of a query.
-class Library {
-  // First, since the others are made with it.
-  void* handle_;
-
- public:
-  explicit Library(const char* path) : handle_(dlopen(path, RTLD_NOW | RTLD_LOCAL)) {
-    if (!handle_) throw std::runtime_error(dlerror());
-  }
-
-#define CALLED(name) decltype(&::name) name = find<decltype(&::name)>(#name)
-  CALLED(rtcNewDevice);
-  CALLED(rtcReleaseDevice);
-  CALLED(rtcNewScene);
-  CALLED(rtcReleaseScene);
-  CALLED(rtcSetSceneFlags);
-  CALLED(rtcSetSceneBuildQuality);
-  CALLED(rtcCommitScene);
-  CALLED(rtcNewGeometry);
-  CALLED(rtcReleaseGeometry);
-  CALLED(rtcSetGeometryBuildQuality);
-  CALLED(rtcSetSharedGeometryBuffer);
-  CALLED(rtcUpdateGeometryBuffer);
-  CALLED(rtcCommitGeometry);
-  CALLED(rtcAttachGeometry);
-  CALLED(rtcPointQuery);
-#undef CALLED
-
- private:
-  template <typename F>
-  F find(const char* name) {
-    const auto found = reinterpret_cast<F>(dlsym(handle_, name));
-    if (!found) throw std::runtime_error(std::string("Embree has no ") + name);
-    return found;
-  }
-};
 
 // As Embree 3 has it, with room for what Embree 4 adds behind: another number of an instance.
 struct Context {
@@ -159,7 +120,7 @@ class Embree {
     return true;
   }
 
-  Library embree_;
+  bench::EmbreeLibrary embree_;
   const Float3* positions_ = nullptr;
   const uint32_t* triangles_;
   size_t vertex_count_;

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // What both of Embree's programs need, from Embree 3.13 and from Embree 4.
 #pragma once
-#include <dlfcn.h>
-#include <embree3/rtcore.h>
-
 #if defined(__SSE3__)
 #include <pmmintrin.h>
 #endif
 
-#include <stdexcept>
-#include <string>
-
+#include "embree_library.hpp"
 #include "ray_step.hpp"
 
 namespace bench {
@@ -18,45 +13,16 @@ namespace bench {
 /// How rays are handed over. Embree 4 has no streams: there they go one by one.
 enum class Way : uint32_t { single, coherent_stream, incoherent_stream };
 
-/// One version's library. The versions name their functions alike, so they are loaded and not linked.
-class Embree {
-  // First, since the others are made with it.
-  void* handle_;
-
+/// One version's library, and how it traces.
+class Embree : public EmbreeLibrary {
  public:
-  explicit Embree(const char* path) : handle_(dlopen(path, RTLD_NOW | RTLD_LOCAL)) {
-    if (!handle_) throw std::runtime_error(dlerror());
-  }
+  using EmbreeLibrary::EmbreeLibrary;
   virtual ~Embree() = default;
 
   /// Finds the nearest hit of each ray.
   virtual void intersect(RTCScene scene, RayHit* rays, size_t count, Way way) const = 0;
   /// Sets t_max below zero where a ray meets one of the scene's triangles that does not touch its vertex.
   virtual void occluded(RTCScene scene, RayHit* rays, size_t count, const uint32_t* triangles) const = 0;
-
-#define CALLED(name) const decltype(&::name) name = find<decltype(&::name)>(#name)
-  CALLED(rtcNewDevice);
-  CALLED(rtcReleaseDevice);
-  CALLED(rtcNewScene);
-  CALLED(rtcReleaseScene);
-  CALLED(rtcSetSceneFlags);
-  CALLED(rtcSetSceneBuildQuality);
-  CALLED(rtcCommitScene);
-  CALLED(rtcNewGeometry);
-  CALLED(rtcReleaseGeometry);
-  CALLED(rtcSetGeometryBuildQuality);
-  CALLED(rtcSetSharedGeometryBuffer);
-  CALLED(rtcUpdateGeometryBuffer);
-  CALLED(rtcCommitGeometry);
-  CALLED(rtcAttachGeometry);
-
- protected:
-  template <typename F>
-  F find(const char* name) const {
-    const auto found = reinterpret_cast<F>(dlsym(handle_, name));
-    if (!found) throw std::runtime_error(std::string("Embree has no ") + name);
-    return found;
-  }
 };
 
 const Embree& embree_3();
