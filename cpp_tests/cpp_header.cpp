@@ -211,6 +211,11 @@ void a_scene_answers_as_the_c_functions_do() {
   const rayc_vectors_mut changes[] = {vectors_mut(change_a), vectors_mut(change_b)};
   contacts.add_differential(response, 1, 0, displacements, changes);
   for (const Point& change : change_a) CHECK_NEAR(change[0], 0, 1e-14);
+  scene.add_differential(contacts, response, 1, 0, displacements, changes);
+  for (const Point& change : change_a) CHECK_NEAR(change[0], 0, 1e-13);
+  check_throws(RAYC_STATUS_WRONG_COUNT, "give one for each", [&] {
+    scene.add_differential(contacts, response, 1, 0, Span<const rayc_vectors>(), changes);
+  });
 
   CHECK(scene.may_escape(0, 1));
   scene.allow_escape(0, 1, false);

@@ -236,11 +236,12 @@ fn forces_and_differential_allocate_nothing() {
                 [
                     rayc_contacts_add_forces(contacts.0, options, count, read, read, out.as_ptr()),
                     rayc_contacts_add_differential(contacts.0, options, 1.0, 1.0, count, read, out.as_ptr()),
+                    rayc_scene_add_differential(scene.0, contacts.0, options, 1.0, 1.0, count, read, out.as_ptr()),
                     rayc_contacts_energy(contacts.0, options, count, read, &mut joules),
                     rayc_contacts_add_wrenches(contacts.0, options, count, still, still, wrenches.as_mut_ptr()),
                 ]
             };
-            assert_eq!(statuses, [RAYC_STATUS_OK; 4]);
+            assert_eq!(statuses, [RAYC_STATUS_OK; 5]);
         });
         // The first call keeps the memory in reserve by which the thread could say that there is none.
         assert!(step < 1 || allocations.count_total == 0, "step {step}: {allocations:?}");

@@ -283,6 +283,27 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
                                                 const struct rayc_vectors_mut *forces);
 
 /**
+ * The same, but with contacts found anew where the displacements lead, as Newton's method needs it to converge
+ * quadratically. `contacts` are those of the scene's newest query, and no body has moved since. Rays move with their
+ * triangles; a push changes with the distance that it grows with, with the area and the normal of its part of the surface, and
+ * where its ray ends. So this Jacobian is not symmetric: use a solver such as GMRES. Held are the samples, the vertices over
+ * which patches spread loads, contacts of edges, escapes, damping and friction. With RAYC_SAMPLING_SPACING it is the
+ * derivative of the forces; by accuracy it lacks how samples come and go, which is within the error that was asked for.
+ * It looks for nearest points again, so a call takes about as long as finding the contacts.
+ *
+ * Errors: those of rayc_contacts_add_differential(), RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OCTREE_STALE where a body has moved
+ * since the contacts were found, or they are of another scene, RAYC_STATUS_PRECISION_MISMATCH.
+ */
+enum rayc_status rayc_scene_add_differential(const struct rayc_scene *scene,
+                                             const struct rayc_contacts *contacts,
+                                             const struct rayc_response_options *options,
+                                             double stiffness_factor,
+                                             double damping_factor,
+                                             size_t body_count,
+                                             const struct rayc_vectors *displacements,
+                                             const struct rayc_vectors_mut *forces);
+
+/**
  * Adds what the contacts of rigid bodies exert to `wrenches`: force in N, then torque in N m, six numbers for each body. The
  * law is that of rayc_contacts_add_forces() at the positions of detection, but no contact ever pulls, and all of each acts
  * at its p1: so forces, and torques about one point, add up to zero, with friction too. Damping and friction never add

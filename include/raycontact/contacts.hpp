@@ -156,6 +156,8 @@ class Contacts {
  private:
   explicit Contacts(rayc_contacts* contacts) : handle_(contacts) {}
 
+  friend class Scene;
+
   static const rayc_vectors* given(Span<const rayc_vectors> arrays) {
     return arrays.size() == 0 ? nullptr : arrays.data();
   }

@@ -195,6 +195,15 @@ class Scene {
     return detail::outcome(status, joules);
   }
 
+  /** Adds what Contacts::add_differential() does, of contacts found anew: rayc_scene_add_differential(). */
+  Outcome<void> add_differential(const Contacts& contacts, const rayc_response_options& options,
+                                 double stiffness_factor, double damping_factor, Span<const rayc_vectors> displacements,
+                                 Span<const rayc_vectors_mut> forces) const {
+    if (displacements.size() != forces.size()) return Contacts::wrong_count(displacements.size(), forces.size());
+    return check(rayc_scene_add_differential(get(), contacts.get(), &options, stiffness_factor, damping_factor,
+                                             forces.size(), displacements.data(), forces.data()));
+  }
+
   /** Ends a step of so many seconds, after its last query: rayc_scene_advance(). */
   Outcome<void> advance(double seconds) { return check(rayc_scene_advance(get(), seconds)); }
 

@@ -76,12 +76,14 @@ class Contacts:
 
     def add_differential(
         self, displacements: Arrays, forces: Targets, stiffness_factor: float = 1.0, damping_factor: float = 0.0,
-        **response: Unpack[ResponseOptions]
+        scene: Scene | None = None, **response: Unpack[ResponseOptions]
     ) -> None:
-        """Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, without friction."""
+        """Adds stiffness_factor · (∂force/∂position) d + damping_factor · (∂force/∂velocity) d to `forces`, without friction.
+        Given the `scene` whose newest query these are of, contacts are not held but found anew: for Newton's method."""
         f, law = of_bodies(forces, "forces", prepare=to_write), options("response", response)
         given = law, stiffness_factor, damping_factor, len(f), of_bodies(displacements, "displacements", len(f)), f
-        call(library.rayc_contacts_add_differential, self._handle, *given)
+        add = library.rayc_contacts_add_differential if scene is None else library.rayc_scene_add_differential
+        call(add, *([] if scene is None else [scene._handle]), self._handle, *given)
 
     def energy(self, positions: Arrays = None, **response: Unpack[ResponseOptions]) -> float:
         """The energy stored in the contacts, in J. The elastic force is its negative gradient."""
@@ -110,15 +112,13 @@ def query_pair(a: Mesh, b: Mesh, contacts: Contacts | None = None, **detection: 
 
 def query_self(mesh: Mesh, contacts: Contacts | None = None, **detection: Unpack[DetectionOptions]) -> Contacts:
     """The same for the contacts of a mesh with itself, body 0."""
-    given = options("detection", detection), mesh._handle, mesh.octree()
-    return filled(contacts, library.rayc_query_self, *given)
+    return filled(contacts, library.rayc_query_self, options("detection", detection), mesh._handle, mesh.octree())
 
 
 class Scene:
     """Many bodies, numbered from 0, and all contacts among them.
 
-    Options: see SceneOptions; threads=0 starts a pool of one thread for each core, which ends with the scene. Results
-    do not depend on it. An unknown body raises Error with Status.UNKNOWN_BODY. After an Error all is as it was."""
+    Options: see SceneOptions; threads=0: one for each core, until the scene ends. After an Error all is as it was."""
 
     def __init__(self, **scene_options: Unpack[SceneOptions]) -> None:
         self._handle = create("scene", options("scene", scene_options))

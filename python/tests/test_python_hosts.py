@@ -41,8 +41,7 @@ def test_scikit_fem_converges():
     pytest.importorskip("skfem")
     printed = run("scikit_fem_blocks.py")
     sizes = [float(size) for size in re.findall(r"residual (\S+) N", printed)]
-    assert len(sizes) <= 15 and sizes[-1] < 1e-3 < sizes[0]
-    assert all(after < 0.5 * before for before, after in zip(sizes[4:], sizes[5:]))
+    assert sizes[0] > 100 and sizes[-1] < 1e-8 and len(sizes) <= 6
     assert "pressed by 0.05 m" in printed
 
 

@@ -213,6 +213,7 @@ fn a_panic_in_any_export_becomes_a_status() {
         rayc_scene_advance(null_mut(), 0.0);
         rayc_scene_query(null_mut(), null_mut());
         rayc_scene_potential(null_mut(), null(), null_mut(), null_mut());
+        rayc_scene_add_differential(null(), null(), null(), 1.0, 0.0, 0, null(), null());
         rayc_scene_allow_escape(null_mut(), 0, 0, 0);
         rayc_scene_may_escape(null(), 0, 0, null_mut());
         rayc_scene_pair_memory_count(null(), null_mut());

@@ -103,11 +103,16 @@ impl PenaltyLaw {
 
     /// The spring coefficient of one contact, in N/m: stiffness · weight · cos α.
     pub fn coefficient<T: Scalar>(&self, contact: &Contact<T>) -> T {
+        self.weighted_stiffness(contact) * contact.cos_alpha
+    }
+
+    /// Stiffness · weight, in N/m.
+    pub(super) fn weighted_stiffness<T: Scalar>(&self, contact: &Contact<T>) -> T {
         let weight = match self.weighting {
             Weighting::Area => contact.area,
             Weighting::Vertex => T::one(),
         };
-        T::of(self.stiffness) * weight * contact.cos_alpha
+        T::of(self.stiffness) * weight
     }
 
     /// The force on the first end of a contact: `push` along its direction, and friction across it. `velocity` is that of the

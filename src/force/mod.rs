@@ -9,10 +9,12 @@
 //! negative semi-definite. The turning of d with the surface is left out of it, so that conjugate gradients may be used, and so
 //! is friction.
 
+mod differential;
 mod law;
 mod rigid;
 mod vectors;
 
+pub(crate) use differential::{Between, add_whole_differential};
 pub use law::{LawError, PenaltyLaw, Weighting};
 pub use rigid::{RigidMotion, add_wrenches};
 pub use vectors::{BodiesMut, Vectors, VectorsMut};

@@ -42,6 +42,11 @@ pub enum SceneError {
         /// The body's number.
         body: u32,
     },
+    /// Contacts are not those of where the bodies are.
+    ContactsOutdated {
+        /// The number of one that has moved since, or is another.
+        body: u32,
+    },
     /// Saved bytes are not what was saved.
     SavedState(BytesError),
     /// The system gave no threads.
@@ -72,6 +77,10 @@ impl fmt::Display for SceneError {
                 f,
                 "body {body}: the pose moves its coordinates beyond the largest number of the scene's precision; keep bodies \
                  nearer to the origin"
+            ),
+            Self::ContactsOutdated { body } => write!(
+                f,
+                "the contacts are not those of where body {body} is now; find them anew, by a query of this scene"
             ),
             Self::SavedState(error) => write!(f, "saved pair memories: {error}"),
             Self::ThreadsNotStarted { threads, source } => {

@@ -4,6 +4,7 @@ mod autotuner;
 mod bodies;
 mod broad_phase;
 mod detection;
+mod differential;
 mod error;
 pub(crate) mod hooks;
 mod list;

@@ -10,6 +10,7 @@ use crate::contact::{Contact, ContactList};
 use crate::force::{PenaltyLaw, RigidMotion, Weighting, add_differential, add_forces, add_wrenches, energy};
 use crate::math::{Scalar, Vector3};
 use crate::memory::text;
+use crate::scene::Scene;
 
 /// What a contact's stiffness is multiplied with.
 #[repr(C)]
@@ -146,16 +147,43 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
     guard(|| unsafe {
         let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
-        if !(stiffness_factor.is_finite() && damping_factor.is_finite()) {
-            return Err(Failure::new(
-                rayc_status::RAYC_STATUS_INVALID_OPTION,
-                text!("the factors are {stiffness_factor} and {damping_factor}; give finite numbers"),
-            ));
-        }
+        let factors = finite([stiffness_factor, damping_factor])?;
         let displacements = BodyArray::all(displacements, body_count, "displacements")?;
         let forces = BodyArraysMut::all(forces, body_count, "forces")?;
-        let factors = [stiffness_factor, damping_factor];
         with_precision!(list, |list| add_all_differentials(list, &law, factors, displacements, forces))
+    })
+}
+
+/// The same, but with contacts found anew where the displacements lead, as Newton's method needs it to converge
+/// quadratically. `contacts` are those of the scene's newest query, and no body has moved since. Rays move with their
+/// triangles; a push changes with the distance that it grows with, with the area and the normal of its part of the surface, and
+/// where its ray ends. So this Jacobian is not symmetric: use a solver such as GMRES. Held are the samples, the vertices over
+/// which patches spread loads, contacts of edges, escapes, damping and friction. With RAYC_SAMPLING_SPACING it is the
+/// derivative of the forces; by accuracy it lacks how samples come and go, which is within the error that was asked for.
+/// It looks for nearest points again, so a call takes about as long as finding the contacts.
+///
+/// Errors: those of rayc_contacts_add_differential(), RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OCTREE_STALE where a body has moved
+/// since the contacts were found, or they are of another scene, RAYC_STATUS_PRECISION_MISMATCH.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rayc_scene_add_differential(
+    scene: *const rayc_scene,
+    contacts: *const rayc_contacts,
+    options: *const rayc_response_options,
+    stiffness_factor: f64,
+    damping_factor: f64,
+    body_count: usize,
+    displacements: *const rayc_vectors,
+    forces: *const rayc_vectors_mut,
+) -> rayc_status {
+    // SAFETY: the pointers are the caller's, as documented.
+    guard(|| unsafe {
+        let (scene, list) = (&reading(scene, "scene")?.scene, &reading(contacts, "contacts")?.list);
+        let (law, factors) = (read_options(options)?.law()?, finite([stiffness_factor, damping_factor])?);
+        let displacements = BodyArray::all(displacements, body_count, "displacements")?;
+        let forces = BodyArraysMut::all(forces, body_count, "forces")?;
+        with_precision!(scene, list, |scene, list| {
+            add_all_whole_differentials(scene, list, &law, factors, displacements, forces)
+        })
     })
 }
 
@@ -327,18 +355,55 @@ fn add_all_forces<T: Scalar>(
     Ok(())
 }
 
+fn finite([stiffness, damping]: [f64; 2]) -> Result<[f64; 2], Failure> {
+    if stiffness.is_finite() && damping.is_finite() {
+        return Ok([stiffness, damping]);
+    }
+    let message = text!("the factors are {stiffness} and {damping}; give finite numbers");
+    Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message))
+}
+
 fn add_all_differentials<T: Scalar>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
-    [stiffness, damping]: [f64; 2],
+    factors: [f64; 2],
     displacements: &[BodyArray],
     mut forces: BodyArraysMut<'_>,
 ) -> Result<(), Failure> {
+    check_differential(list, law, factors, displacements, &forces)?;
+    add_differential(list, law, factors[0], factors[1], displacements, &mut forces);
+    Ok(())
+}
+
+fn add_all_whole_differentials<T: Scalar>(
+    scene: &Scene<T>,
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    factors: [f64; 2],
+    displacements: &[BodyArray],
+    mut forces: BodyArraysMut<'_>,
+) -> Result<(), Failure> {
+    let arrays = check_differential(list, law, factors, displacements, &forces)?;
+    for pair in list.contacts.chunk_by(|one, next| one.bodies() == next.bodies()) {
+        for body in pair[0].bodies() {
+            arrays.check_all_of::<T>(body, scene.mesh(body)?.topology().vertex_count())?;
+        }
+    }
+    Ok(scene.add_differential(list, law, factors, displacements, &mut forces)?)
+}
+
+fn check_differential<'a, T: Scalar>(
+    list: &ContactList<T>,
+    law: &PenaltyLaw,
+    [stiffness, damping]: [f64; 2],
+    displacements: &'a [BodyArray],
+    forces: &'a BodyArraysMut<'a>,
+) -> Result<Arrays<'a, 1>, Failure> {
     let factor = T::of(stiffness + damping * law.damping_time());
     let most = |contact: &Contact<T>, [size]: [T; 1]| factor * law.coefficient(contact) * size;
-    Arrays { read: [("displacements", Some(displacements))], written: Some(&forces) }.check(list, most)?;
-    add_differential(list, law, stiffness, damping, displacements, &mut forces);
-    Ok(())
+    let arrays = Arrays { read: [("displacements", Some(displacements))], written: Some(forces) };
+    arrays.check(list, most)?;
+    Ok(arrays)
 }
 
 fn add_all_wrenches<T: Scalar>(

@@ -122,6 +122,11 @@ impl<const N: usize> Arrays<'_, N> {
         Ok(())
     }
 
+    /// Refuses arrays that do not reach to each of so many vertices of a body or are not finite there.
+    pub(in crate::capi) fn check_all_of<T: Scalar>(&self, body: u32, vertex_count: usize) -> Result<(), Failure> {
+        (0..vertex_count as u32).try_for_each(|vertex| self.check_vertices::<T, 1>(body, [vertex]).map(drop))
+    }
+
     /// Refuses to write to what is read. Arrays may be interleaved, as those of the members of a vertex are.
     fn check_apart(&self) -> Result<(), Failure> {
         let Some(written) = self.written else { return Ok(()) };

@@ -73,6 +73,7 @@ impl From<SceneError> for Failure {
             }
             SceneError::Pose { .. } => Self::new(RAYC_STATUS_INVALID_DIRECTION, message),
             SceneError::PoseBeyondRange { .. } => Self::new(RAYC_STATUS_MESH_BEYOND_RANGE, message),
+            SceneError::ContactsOutdated { .. } => Self::new(RAYC_STATUS_OCTREE_STALE, message),
             SceneError::SavedState(error) => Self::new(bytes_status(error), message),
             SceneError::ThreadsNotStarted { .. } => Self::new(RAYC_STATUS_THREADS_NOT_STARTED, message),
         }

@@ -2,6 +2,7 @@
 
 mod body_numbers;
 mod crowds;
+mod differential;
 mod pair_memory;
 mod poses;
 mod sharing;
