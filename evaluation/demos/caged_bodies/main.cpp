@@ -8,7 +8,7 @@
 
 #include "../engine/creatures.hpp"
 #include "../engine/engine.hpp"
-#include "../../../examples/own_engine/command_line.hpp"
+#include "../command_line.hpp"
 
 namespace {
 

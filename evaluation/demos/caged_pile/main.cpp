@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "../../../examples/own_engine/command_line.hpp"
+#include "../command_line.hpp"
 #include "../engine/creatures.hpp"
 #include "../engine/engine.hpp"
 

@@ -3,7 +3,7 @@
 #include <exception>
 #include <string>
 
-#include "../../../examples/own_engine/command_line.hpp"
+#include "../command_line.hpp"
 #include "raycontact/mujoco.hpp"
 
 namespace {
