@@ -104,11 +104,14 @@ impl<T: Scalar> Between<'_, T> {
             vector += normal;
             vector_change += change;
         };
-        let patches = mesh.patches();
-        match patches.named(!contact.piece, point.triangle) {
-            Some(patch) => patches.triangles_of(patch).iter().for_each(|&triangle| add(triangle)),
-            None if contact.piece > 0 => add(point.triangle),
-            None => mesh.topology().triangles_around(point.vertices[0]).iter().for_each(|&triangle| add(triangle)),
+        match contact.piece {
+            0 => mesh.topology().triangles_around(point.vertices[0]).iter().for_each(|&triangle| add(triangle)),
+            piece if piece >> 31 == 0 => add(point.triangle),
+            piece => {
+                let patches = mesh.patches();
+                let patch = patches.named(!piece, point.triangle);
+                patch.iter().flat_map(|&patch| patches.triangles_of(patch)).for_each(|&triangle| add(triangle));
+            }
         }
         let size = length(&vector);
         if size == T::zero() {
