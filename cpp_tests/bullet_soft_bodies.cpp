@@ -311,6 +311,17 @@ void surfaces_are_no_solids() {
   refused([](btSoftBody& b, bullet::Skin&) { b.m_tetras.clear(); }, "fill a closed shell with appendTetra");
 }
 
+// Square cloth of 1 kg at a height, in none of Bullet's own contacts; its front is below.
+std::unique_ptr<btSoftBody> level_cloth(demo::SoftWorld& world, btScalar half, btScalar h, int nodes) {
+  std::unique_ptr<btSoftBody> cloth(btSoftBodyHelpers::CreatePatch(
+      world.world().getWorldInfo(), btVector3(-half, h, -half), btVector3(half, h, -half), btVector3(-half, h, half),
+      btVector3(half, h, half), nodes, nodes, 0, true));
+  cloth->setTotalMass(1);
+  cloth->m_cfg.collisions = 0;
+  cloth->setActivationState(DISABLE_DEACTIVATION);
+  return cloth;
+}
+
 // Cloth falls onto a rigid ball or onto a pinned soft cube that its front faces, and comes to lie on it.
 void cloth_on_volumes() {
   for (const bool is_soft : {false, true}) {
@@ -330,13 +341,7 @@ void cloth_on_volumes() {
       world.world().addRigidBody(ball.get(), 0, 0);
       world.contact().add_rigid_body(*ball);
     }
-    const btScalar h = btScalar(1.1);
-    const std::unique_ptr<btSoftBody> cloth(
-        btSoftBodyHelpers::CreatePatch(world.world().getWorldInfo(), btVector3(-1, h, -1), btVector3(1, h, -1),
-                                       btVector3(-1, h, 1), btVector3(1, h, 1), 15, 15, 0, true));
-    cloth->setTotalMass(1);
-    cloth->m_cfg.collisions = 0;
-    cloth->setActivationState(DISABLE_DEACTIVATION);
+    const auto cloth = level_cloth(world, 1, btScalar(1.1), 15);
     world.world().addSoftBody(cloth.get());
     world.world().addForce(cloth.get(), &springs);
     world.world().addForce(cloth.get(), &weight);
@@ -393,14 +398,8 @@ void cloth_lies_still_on_a_torus() {
   const auto below = rigid(shape, 0, btVector3(0, 0, 0));
   world.world().addRigidBody(below.get(), 0, 0);
   world.contact().add_rigid_body(*below);
-  const btScalar a = btScalar(1.6), h = btScalar(0.5);
-  const std::unique_ptr<btSoftBody> cloth(
-      btSoftBodyHelpers::CreatePatch(world.world().getWorldInfo(), btVector3(-a, h, -a), btVector3(a, h, -a),
-                                     btVector3(-a, h, a), btVector3(a, h, a), 29, 29, 0, true));
+  const auto cloth = level_cloth(world, btScalar(1.6), btScalar(0.5), 29);
   cloth->generateBendingConstraints(2);
-  cloth->setTotalMass(1);
-  cloth->m_cfg.collisions = 0;
-  cloth->setActivationState(DISABLE_DEACTIVATION);
   world.world().addSoftBody(cloth.get());
   world.world().addForce(cloth.get(), &springs);
   world.world().addForce(cloth.get(), &weight);

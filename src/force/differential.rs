@@ -3,7 +3,7 @@
 //! A ray's contact pushes by k · area · distance along the inward normal of its part of the surface. So with the positions
 //! change: the distance, along the line to the nearest point; the area and the normal; and where the ray ends on the other
 //! surface. Samples keep their places on their triangles. The halving of elements, by accuracy, is held: what it changes is
-//! within the error that was asked for, but its derivative need not be small.
+//! within the error that was asked for, but its derivative is not small.
 
 use super::{BodiesMut, PenaltyLaw, Spring, Vectors};
 use crate::contact::{Contact, ContactKind, ContactList};

@@ -83,11 +83,15 @@ fn tori() -> [Shape; 2] {
 #[test]
 fn the_derivative_is_that_of_contacts_found_anew() {
     let mut random = Random::new(45);
-    for (name, shapes, sampling, weighting) in [
-        ("blocks", blocks(), Sampling::Spacing(0.1), Weighting::Area),
-        ("blocks", blocks(), Sampling::Spacing(0.3), Weighting::Area),
-        ("tori", tori(), Sampling::Spacing(0.1), Weighting::Area),
-        ("tori, by the paper", tori(), Sampling::Vertices, Weighting::Vertex),
+    // Half of all are off by at most so much, and the worst. By accuracy the derivative does not know how samples come and go.
+    let (exact, rough) = ([1e-6, 1e-3], [0.5, 0.9]);
+    for (name, shapes, sampling, weighting, bounds) in [
+        ("blocks", blocks(), Sampling::Spacing(0.1), Weighting::Area, exact),
+        ("blocks", blocks(), Sampling::Spacing(0.3), Weighting::Area, exact),
+        ("tori", tori(), Sampling::Spacing(0.1), Weighting::Area, exact),
+        ("tori, by the paper", tori(), Sampling::Vertices, Weighting::Vertex, exact),
+        ("blocks", blocks(), Sampling::Accuracy(0.01), Weighting::Area, rough),
+        ("tori", tori(), Sampling::Accuracy(0.01), Weighting::Area, rough),
     ] {
         let (mut off, mut off_held) = (Vec::new(), Vec::new());
         for _ in 0..5 {
@@ -103,7 +107,7 @@ fn the_derivative_is_that_of_contacts_found_anew() {
         off.sort_by(f64::total_cmp);
         off_held.sort_by(f64::total_cmp);
         println!("{name}, {sampling:?}: off by {:.1e}, at most {:.1e}; held by {:.1e}", off[5], off[9], off_held[5]);
-        assert!(off[9] < 1e-3 && off[5] < 1e-6, "{name}, {sampling:?}: {off:?}");
+        assert!(off[5] < bounds[0] && off[9] < bounds[1], "{name}, {sampling:?}: {off:?}");
         assert!(off_held[0] > 0.1, "{name}: held contacts would do: {off_held:?}");
     }
 }
