@@ -178,3 +178,28 @@ def test_what_pairs_remember_can_be_saved():
         other.restore_pair_memories(saved[:-1] + bytes([saved[-1] ^ 1]))
     assert caught.value.status == Status.SAVED_STATE_BROKEN
     np.testing.assert_array_equal(other.pair_memories(), memories)
+
+
+def test_the_derivative_of_contacts_found_anew_refuses_what_is_not_theirs():
+    scene, positions = Scene(), [tetrahedron(at)[0] for at in (0, 0.2)]
+    for x in positions:
+        scene.add(Mesh(x, tetrahedron(0)[1]))
+    contacts, along = scene.query(), [np.ones((4, 3)), np.zeros((4, 3))]
+    assert len(contacts)
+
+    def refused(status, what, displacements, of=scene):
+        forces = [np.zeros((4, 3)), np.zeros((4, 3))]
+        with pytest.raises(Error, match=what) as error:
+            contacts.add_differential(displacements, forces, scene=of)
+        assert error.value.status == status and not np.any(forces)
+
+    refused(Status.WRONG_COUNT, "vertex 3 of body 0", [along[0][:3], along[1]])
+    refused(Status.NOT_FINITE, "displacements", [along[0] * np.nan, along[1]])
+    refused(Status.UNKNOWN_BODY, "no body 0", along, of=Scene())
+    refused(Status.PRECISION_MISMATCH, "same precision", along, of=Scene(precision="f32"))
+    scene.set_positions(1, positions[1] + 0.01)
+    refused(Status.OCTREE_STALE, "a query of this scene", along)
+    scene.query(contacts)
+    forces = [np.zeros((4, 3)), np.zeros((4, 3))]
+    contacts.add_differential(along, forces, scene=scene)
+    assert np.any(forces) and np.abs(forces[0].sum(axis=0) + forces[1].sum(axis=0)).max() < 1e-12
