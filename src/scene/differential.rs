@@ -13,8 +13,7 @@ impl<T: Scalar> Scene<T> {
     /// ends change as the surfaces do; so the derivative is not symmetric, though the energy's would be: samples make the
     /// difference. How many samples there are is held, and over which vertices patches spread their loads. With
     /// [`Sampling::Spacing`](crate::contact::Sampling), no longer than the triangles' edges, it is that of the forces. By accuracy
-    /// it lacks how elements fade in, and is off by tens of per cent on curved bodies.
-    /// Contacts of edges, escapes, damping and friction are held too.
+    /// it lacks how elements fade in: tens of per cent on curved bodies. Contacts of edges, escapes, damping and friction are held.
     ///
     /// # Errors
     /// [`SceneError::UnknownBody`], [`SceneError::ContactsOutdated`]. Nothing is added then.

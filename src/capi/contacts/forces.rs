@@ -159,9 +159,8 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
 /// triangles; a push changes with the distance that it grows with, with the area and the normal of its part of the surface, and
 /// where its ray ends. So this Jacobian is not symmetric: use a solver such as GMRES. Held are the samples, the vertices over
 /// which patches spread loads, contacts of edges, escapes, damping and friction. With RAYC_SAMPLING_SPACING, no longer
-/// than the triangles' edges, it is the derivative of the forces; by accuracy it lacks how samples come and go, and is off by tens
-/// of per cent on curved bodies.
-/// It looks for nearest points again, so a call takes about as long as finding the contacts.
+/// than the triangles' edges, it is the derivative of the forces. By accuracy it lacks how samples come and go: tens of per cent
+/// on curved bodies. It looks for nearest points again, so a call takes about as long as finding the contacts.
 ///
 /// Errors: those of rayc_contacts_add_differential(), RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OCTREE_STALE where a body has moved
 /// since the contacts were found, or they are of another scene, RAYC_STATUS_PRECISION_MISMATCH.
