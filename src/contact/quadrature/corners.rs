@@ -23,24 +23,20 @@ impl<T: Scalar> Corners<T> {
         (mean(self.positions), mean(self.weights))
     }
 
-    /// The halves, cut at the middle of the longest edge; `None` where rounding leaves none.
-    pub(crate) fn halves(&self) -> Option<[Self; 2]> {
+    /// Where it is cut into halves, at the middle of the longest edge: the corner that the middle replaces in either half, its
+    /// position and its weights. `None` where rounding leaves none.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn cut(&self) -> Option<([usize; 2], Vector3<T>, Vector3<T>)> {
         let (from, _) = longest_edge(&self.positions);
         let (to, half) = ((from + 1) % 3, T::of(0.5));
-        let middle = (self.positions[from] + self.positions[to]) * half;
-        self.positions.iter().all(|&corner| corner != middle).then(|| {
-            [to, from].map(|replaced| {
-                let mut corners = *self;
-                corners.positions[replaced] = middle;
-                corners.weights[replaced] = (self.weights[from] + self.weights[to]) * half;
-                corners
-            })
-        })
+        let [position, weights] = [self.positions, self.weights].map(|corners| (corners[from] + corners[to]) * half);
+        self.positions.iter().all(|&corner| corner != position).then_some(([to, from], position, weights))
     }
 }
 
 /// The corner at which the longest edge of a triangle begins, and its squared length. Of equal edges it is the one that comes
 /// first in space, so that it does not matter with which corner the triangle begins.
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn longest_edge<T: Scalar>(corners: &[Vector3<T>; 3]) -> (usize, T) {
     let squares: [T; 3] = std::array::from_fn(|i| (corners[i] - corners[(i + 1) % 3]).norm_squared());
     let ends = |i: usize| {

@@ -6,7 +6,7 @@ use crate::contact::quadrature::corners::{Corners, DEEPEST, longest_edge};
 use crate::contact::quadrature::moments::{Moments, MomentsOf};
 use crate::contact::quadrature::sample::{Sample, WHOLE};
 use crate::math::{Aabb, Scalar, Vector3, direction, length, normalising_factor};
-use crate::memory::{self, Room};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::query::Tracer;
 use crate::simd::Lanes;
@@ -120,20 +120,22 @@ pub(crate) struct Element<T: Scalar> {
 }
 
 impl<T: Scalar> Element<T> {
-    /// A patch; `None` where it has no area, or lies beside the overlap box.
+    /// Adds a patch, unless it has no area or lies beside the overlap box.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn patch<L: Lanes<T>>(
+    pub(crate) fn add_patch<L: Lanes<T>>(
         body: u8,
         patch: u32,
         tracer: &Tracer<'_, T>,
         frame: &Frame<T>,
         pieces: &mut Vec<Piece<T>>,
-    ) -> Option<Self> {
+        elements: &mut Vec<Self>,
+    ) {
         let mesh = tracer.mesh();
         let patches = mesh.patches();
         if let &[triangle] = patches.triangles_of(patch) {
             let corners = Corners::of_triangle(mesh.corners(triangle));
-            return Self::piece(body, Piece { triangle, corners, number: WHOLE, depth: 0 }, frame, pieces);
+            pieces.room_for(1).push(Piece { triangle, corners, number: WHOLE, depth: 0 });
+            return Self::add_last_piece(body, frame, pieces, elements);
         }
         // Outlined, so that it is compiled with the lanes' instructions.
         let (triangles, &Frame { middle, factor, .. }) = (patches.triangles_of(patch), frame);
@@ -144,21 +146,28 @@ impl<T: Scalar> Element<T> {
         let on_surface = is_curved.then(|| tracer.closest_on(patches.middle(patch), &frame.point(&centroid)));
         let centre = on_surface.flatten().map_or(centroid, |closest| frame.local(&closest.position));
         let bounds = Aabb { lower: centre, upper: centre }.grown(radius);
-        (area > T::zero() && bounds.overlaps(&frame.region))
-            .then(|| Self::new(body, Extent::Patch(patch), area, vector, centre, radius))
+        if area > T::zero() && bounds.overlaps(&frame.region) {
+            elements.room_for(1).push(Self::new(body, Extent::Patch(patch), area, vector, centre, radius));
+        }
     }
 
-    fn piece(body: u8, piece: Piece<T>, frame: &Frame<T>, pieces: &mut Vec<Piece<T>>) -> Option<Self> {
-        let local = piece.corners.positions.map(|corner| frame.local(&corner));
-        let (bounds, [a, b, c]) = (Aabb::of_triangle(&local), local);
+    /// Adds the last of the pieces, or removes it where it has no area or lies beside the overlap box. Coarse bodies have many
+    /// such pieces, so they are made where they stay.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn add_last_piece(body: u8, frame: &Frame<T>, pieces: &mut Vec<Piece<T>>, elements: &mut Vec<Self>) {
+        let last = pieces.len() - 1;
+        let [a, b, c] = pieces[last].corners.positions.each_ref().map(|corner| frame.local(corner));
         let vector = (b - a).cross(&(c - a)) * T::of(0.5);
+        let lies_beside = !Aabb::of_triangle(&[a, b, c]).overlaps(&frame.region);
+        let area = if lies_beside { T::zero() } else { length(&vector) };
+        if !(area > T::zero()) {
+            pieces.truncate(last);
+            return;
+        }
         let centre = (a + b + c) / T::of(3.0);
         let farthest = [a, b, c].iter().fold(T::zero(), |most, corner| most.max((corner - centre).norm_squared()));
-        let (area, extent) = (length(&vector), Extent::Piece(pieces.len() as u32));
-        (area > T::zero() && bounds.overlaps(&frame.region)).then(|| {
-            pieces.room_for(1).push(piece);
-            Self::new(body, extent, area, vector, centre, farthest.sqrt())
-        })
+        let extent = Extent::Piece(last as u32);
+        elements.room_for(1).push(Self::new(body, extent, area, vector, centre, farthest.sqrt()));
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -211,16 +220,22 @@ impl<T: Scalar> Element<T> {
             Extent::Patch(patch) => {
                 let Some(parts) = tracer.mesh().patches().parts(patch) else { return false };
                 for part in parts {
-                    memory::append(halves, Self::patch::<L>(body, part, tracer, frame, pieces));
+                    Self::add_patch::<L>(body, part, tracer, frame, pieces, halves);
                 }
             }
             Extent::Piece(piece) => {
-                let Piece { triangle, corners, number, depth } = pieces[piece as usize];
-                let Some(parts) = corners.halves().filter(|_| depth < DEEPEST) else { return false };
-                for (half, corners) in parts.into_iter().enumerate() {
-                    let number = number.wrapping_mul(2).wrapping_add(half as u32);
-                    let piece = Piece { triangle, corners, number, depth: depth + 1 };
-                    memory::append(halves, Self::piece(body, piece, frame, pieces));
+                let whole = piece as usize;
+                let cut = pieces[whole].corners.cut().filter(|_| pieces[whole].depth < DEEPEST);
+                let Some((replaced, position, weights)) = cut else { return false };
+                for (half, corner) in replaced.into_iter().enumerate() {
+                    let part = pieces.len();
+                    let copied = pieces[whole];
+                    pieces.room_for(1).push(copied);
+                    let Piece { corners, number, depth, .. } = &mut pieces[part];
+                    (corners.positions[corner], corners.weights[corner]) = (position, weights);
+                    *number = number.wrapping_mul(2).wrapping_add(half as u32);
+                    *depth += 1;
+                    Self::add_last_piece(body, frame, pieces, halves);
                 }
             }
         }

@@ -61,10 +61,15 @@ impl<'a, 'b, T: Scalar> Measurement<'a, 'b, T> {
         let (mut positions, mut normals) = ([[T::zero(); LANE_COUNT]; 3], [[T::zero(); LANE_COUNT]; 3]);
         let mut unknown = 0;
         for (lane, &index) in indices.iter().enumerate() {
-            let element = &elements[index];
-            set_lane(&mut positions, lane, &frame.point(&element.centre));
-            set_lane(&mut normals, lane, &direction(&element.vector).unwrap_or_else(Vector3::z));
-            unknown |= Mask::from(element.side == Side::Unknown) << lane;
+            let element = &mut elements[index];
+            let position = frame.point(&element.centre);
+            set_lane(&mut positions, lane, &position);
+            if element.side == Side::Unknown && !pair.region.contains(&position) {
+                element.side = Side::Outside;
+            } else if element.side == Side::Unknown {
+                set_lane(&mut normals, lane, &direction(&element.vector).unwrap_or_else(Vector3::z));
+                unknown |= 1 << lane;
+            }
         }
         if unknown != 0 {
             packet.set_inward::<L>(unknown, &positions, &normals, &pair.ray_regions[body]);

@@ -10,7 +10,7 @@ use crate::contact::quadrature::measurement::Measurement;
 use crate::contact::quadrature::sample::{Sample, Sampling};
 use crate::contact::statistics::Statistics;
 use crate::math::{Aabb, Scalar, Vector3, direction, length};
-use crate::memory::{self, Room};
+use crate::memory::Room;
 use crate::mesh::Mesh;
 use crate::simd::{Kernel, Lanes, dispatch};
 use crate::triangle::Hit;
@@ -299,7 +299,7 @@ impl<T: Scalar> Quadrature<T> {
                 pieces.truncate(first[1]);
                 *counts = before;
                 for &patch in &*patches {
-                    memory::append(waiting, Element::patch::<L>(body as u8, patch, tracer, frame, pieces));
+                    Element::add_patch::<L>(body as u8, patch, tracer, frame, pieces, waiting);
                     counts.without_normal +=
                         u64::from(waiting.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
                     while let Some(element) = waiting.pop() {
