@@ -1,6 +1,3 @@
-// Lanes side by side read best as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use super::Mesh;
 use super::normals::{Fan, NormalLanes};
 use crate::math::Scalar;

@@ -5,9 +5,6 @@
 //! and behind such a vertex the winding number differs by one, so one side tells the other. Where no axis will do, at edges and
 //! corners, the ray goes along the inward normal.
 
-// Lanes side by side read best as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use crate::bvh::Candidates;
 use crate::math::Scalar;
 use crate::memory::Room;

@@ -1,6 +1,3 @@
-// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, lanes_of, set_lane, vector_in_lane};
 use crate::triangle::query_point::{MeshScale, QueryPoint, margin_per_half_reach};

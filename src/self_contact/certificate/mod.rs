@@ -1,9 +1,6 @@
 //! The certificate that a body touches itself nowhere: pairs of near tiles, each with a clearance, by how much its triangles may
 //! come nearer. It holds while no pair has lapsed, that is, moved by more than its clearance or been strained too much.
 
-// Lanes side by side read best as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 pub(crate) mod block;
 pub(crate) mod descent;
 pub(crate) mod narrow;
