@@ -34,7 +34,7 @@ use std::sync::Arc;
 /// Bodies, and what is needed to find all contacts among them.
 ///
 /// The contacts and their order do not depend on the number of threads.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Scene<T: Scalar> {
     bodies: Bodies<T>,
     broad_phase: BroadPhase<T>,
@@ -61,26 +61,13 @@ impl<T: Scalar> Scene<T> {
     /// [`SceneError::ThreadsNotStarted`].
     pub fn new(threads: usize) -> Result<Self, SceneError> {
         let started = Threads::new(threads);
-        Ok(Self::working_with(started.map_err(|source| SceneError::ThreadsNotStarted { threads, source })?))
+        let threads = started.map_err(|source| SceneError::ThreadsNotStarted { threads, source })?;
+        Ok(Self { threads, ..Self::default() })
     }
 
     /// An empty scene with default options that works on the host's threads.
     pub fn with_host_threads(host: Arc<dyn ParallelFor>) -> Self {
-        Self::working_with(Threads::of_host(host))
-    }
-
-    fn working_with(threads: Threads) -> Self {
-        Self {
-            bodies: Bodies::default(),
-            broad_phase: BroadPhase::default(),
-            pair_contacts: Vec::new(),
-            pair_costs: Vec::new(),
-            lists: Vec::new(),
-            pairs: Pairs::default(),
-            options: DetectionOptions::default(),
-            threads,
-            autotuner: autotuner::Autotuner::default(),
-        }
+        Self { threads: Threads::of_host(host), ..Self::default() }
     }
 
     /// Works with these threads from here on, and puts its former ones in their place.

@@ -46,7 +46,7 @@ impl<T: Scalar> ContactSystem<T> {
         let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
         let mut squares = [0.0; 2];
-        if !self.looks_ahead {
+        if self.looks_at_start {
             return Ok(squares);
         }
         let Self { bodies, buffers, rows, .. } = self;

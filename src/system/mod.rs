@@ -84,10 +84,11 @@ pub enum RigidUnknowns {
 ///
 /// Its rows stay as they are until [`linearise`](Self::linearise) or [`detect_again`](Self::detect_again). A steady step
 /// allocates nothing.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
-    pub(crate) looks_ahead: bool,
+    /// Whether it looks for contacts where bodies are at the start of a step, and not where they will be.
+    pub(crate) looks_at_start: bool,
     weighting: Weighting,
     pub(crate) node_masses: Vec<f64>,
     /// In ascending order of their numbers.
@@ -110,32 +111,14 @@ pub struct ContactSystem<T: Scalar> {
 impl<T: Scalar> ContactSystem<T> {
     /// A system without bodies.
     pub fn new(rigid_unknowns: RigidUnknowns) -> Self {
-        Self {
-            rigid_unknowns,
-            looks_ahead: true,
-            weighting: Weighting::Area,
-            node_masses: Vec::new(),
-            bodies: Vec::new(),
-            rigid_count: 0,
-            half_spaces: Vec::new(),
-            pair_materials: Vec::new(),
-            contacts: ContactList::default(),
-            trial: ContactList::default(),
-            rows: Rows::default(),
-            compressed: Compressed::default(),
-            anchors: Anchors::default(),
-            loads: PairLoads::default(),
-            step: None,
-            buffers: Buffers::default(),
-            below: Below::default(),
-        }
+        Self { rigid_unknowns, ..Self::default() }
     }
 
     /// Detects contacts where bodies are at the start of a step, not where they will be, so bodies that meet within a step have
     /// none yet.
     #[must_use]
     pub fn looking_at_the_start(mut self) -> Self {
-        self.looks_ahead = false;
+        self.looks_at_start = true;
         self
     }
 

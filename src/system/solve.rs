@@ -127,11 +127,11 @@ impl<T: Scalar> ContactSystem<T> {
     pub(super) fn linearise_predicted(&mut self, Step { dt, .. }: Step) -> Result<(), SystemError> {
         let pairs = &mut self.loads.now;
         let free = Velocities { nodes: &self.buffers.ahead, twists: &self.buffers.free_twists };
-        if !self.looks_ahead {
+        if self.looks_at_start {
             self.rows.find_motions(free.nodes);
         }
         for index in 0..self.rows.rows.len() {
-            let looked_ahead = self.looks_ahead.then_some(self.rows.rows[index].ahead);
+            let looked_ahead = (!self.looks_at_start).then_some(self.rows.rows[index].ahead);
             let predicted = looked_ahead.unwrap_or_else(|| self.rows.slip_at(index, free.twists));
             let row = &mut self.rows.rows[index];
             let pair = &mut pairs[row.pair];

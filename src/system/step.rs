@@ -27,7 +27,7 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
-        let ahead = if self.looks_ahead { dt } else { 0.0 };
+        let ahead = if self.looks_at_start { 0.0 } else { dt };
         let step = self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
         self.linearise_predicted(step)
     }

@@ -5,16 +5,10 @@ use crate::mesh::NormalLanes;
 use crate::simd::{LANE_COUNT, Lanes, Vectors};
 
 /// Unit vectors, each with a weight: the sum of the weights, and how much of it is left when the vectors cancel out.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Turning<T: Scalar> {
     whole: T,
     vector: Vector3<T>,
-}
-
-impl<T: Scalar> Default for Turning<T> {
-    fn default() -> Self {
-        Self { whole: T::zero(), vector: Vector3::zeros() }
-    }
 }
 
 impl<T: Scalar> Turning<T> {
