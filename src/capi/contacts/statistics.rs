@@ -104,8 +104,7 @@ pub unsafe extern "C" fn rayc_contacts_statistics(
     struct_size: usize,
     statistics: *mut rayc_statistics,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let found = with_precision!(list, |list| list.statistics);
         let known = rayc_statistics::of(found, list.len());

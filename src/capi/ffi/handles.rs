@@ -201,7 +201,7 @@ pub(in crate::capi) unsafe fn changing<'a, V: Handle>(pointer: *mut V, name: &st
 ///
 /// # Safety
 /// `place` is writable.
-pub(in crate::capi) unsafe fn give<V: Handle>(place: Output<*mut V>, value: V) {
+pub(in crate::capi) unsafe fn give<V: Handle>(place: Output<*mut V>, value: V) -> Result<(), Failure> {
     // A box of one value, which is laid out as the value itself.
     let boxed = memory::boxed(Marked { mark: AtomicU64::new(V::KIND.mark()), users: AtomicU32::new(0), value });
     // SAFETY: by this function's contract.

@@ -66,6 +66,5 @@ pub unsafe extern "C" fn rayc_default_scene_options(
     struct_size: usize,
     options: *mut rayc_scene_options,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_defaults(struct_size, options) })
+    guard(|| write_defaults(struct_size, options))
 }
