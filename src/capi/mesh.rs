@@ -18,9 +18,7 @@ use std::path::Path;
 /// are allowed, such as the inner nodes of a volume mesh.
 ///
 /// Threads: several threads may make calls with a const mesh at the same time. A call that changes the mesh must run
-/// alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any
-/// more. Do not use a mesh after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell,
-/// but does not promise to.
+/// alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any more.
 pub struct rayc_mesh {
     pub(super) mesh: AnyMesh,
 }
@@ -111,8 +109,6 @@ impl Options for rayc_mesh_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_mesh_options(struct_size: usize, options: *mut rayc_mesh_options) -> rayc_status {
     guard(|| write_defaults(struct_size, options))

@@ -52,8 +52,6 @@ impl rayc_contact_system_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_contact_system_options(
     struct_size: usize,

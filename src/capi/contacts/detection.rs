@@ -136,8 +136,6 @@ impl Options for rayc_detection_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_detection_options(
     struct_size: usize,
@@ -149,8 +147,6 @@ pub unsafe extern "C" fn rayc_default_detection_options(
 /// Fills `options` with what makes a query just what the paper does: rays from the vertices, its two filters and its law,
 /// nothing else. Its forces are those with RAYC_WEIGHTING_VERTEX in rayc_response_options. struct_size:
 /// sizeof(rayc_detection_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_paper_detection_options(
     struct_size: usize,

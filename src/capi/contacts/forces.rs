@@ -77,8 +77,6 @@ impl rayc_response_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_response_options(
     struct_size: usize,

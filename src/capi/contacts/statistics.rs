@@ -96,8 +96,6 @@ impl rayc_statistics {
 
 /// What the query that filled `contacts` did. struct_size: sizeof(rayc_statistics), so that a later library writes no more
 /// than the caller knows.
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_statistics(
     contacts: *const rayc_contacts,

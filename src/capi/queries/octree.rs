@@ -10,9 +10,8 @@ use crate::query::{Layout, Octree};
 /// The search structure over one mesh's triangles, for one state of its positions.
 ///
 /// Threads: several threads may make calls with a const octree at the same time. The caller frees the octree with
-/// rayc_octree_destroy(), before or after its mesh, and must not use it after that: the library returns
-/// RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to. rayc_mesh_set_positions() makes an octree
-/// stale. Every use of a stale octree is refused until rayc_octree_update().
+/// rayc_octree_destroy(), before or after its mesh. rayc_mesh_set_positions() makes an octree stale. Every use of a
+/// stale octree is refused until rayc_octree_update().
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
     pub(super) own_exits: AnyOwnExits,
@@ -73,8 +72,6 @@ impl rayc_octree_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_octree_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_octree_options(
     struct_size: usize,
