@@ -24,7 +24,7 @@ pub struct rayc_mesh {
 }
 
 impl Handle for rayc_mesh {
-    const KIND: HandleKind = HandleKind::Mesh;
+    const KIND: HandleKind = HandleKind::MESH;
 }
 
 /// A mesh of either precision.

@@ -30,7 +30,7 @@ pub struct rayc_contacts {
 }
 
 impl Handle for rayc_contacts {
-    const KIND: HandleKind = HandleKind::Contacts;
+    const KIND: HandleKind = HandleKind::CONTACTS;
 }
 
 /// Contacts of either precision.

@@ -18,7 +18,7 @@ pub struct rayc_octree {
 }
 
 impl Handle for rayc_octree {
-    const KIND: HandleKind = HandleKind::Octree;
+    const KIND: HandleKind = HandleKind::OCTREE;
 }
 
 /// An octree of either precision.

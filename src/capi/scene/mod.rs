@@ -26,7 +26,7 @@ pub struct rayc_scene {
 }
 
 impl Handle for rayc_scene {
-    const KIND: HandleKind = HandleKind::Scene;
+    const KIND: HandleKind = HandleKind::SCENE;
 }
 
 /// A scene of either precision.
