@@ -56,10 +56,7 @@ impl Pose {
     pub const IDENTITY: Self =
         Self { position: [0.0; 3], rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
 
-    /// Whether the numbers are a pose.
-    ///
-    /// # Errors
-    /// Every way in which they are not.
+    /// Whether the numbers are a pose, or else why not.
     pub fn check(&self) -> Result<(), PoseError> {
         let Self { position, rotation } = self;
         if let Some(axis) = position.iter().position(|x| !x.is_finite()) {
