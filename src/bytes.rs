@@ -13,22 +13,14 @@ pub(crate) fn checksum(bytes: &[u8]) -> u64 {
 
 /// Why bytes were refused that should have been packed or saved before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "a field's name says what it is")]
 pub enum BytesError {
-    /// They do not start as such bytes do, or are not as long as they say.
-    Foreign {
-        /// How many there are.
-        length: usize,
-    },
-    /// Another version of the library wrote them in another form.
-    OtherVersion {
-        /// The form's number.
-        version: u32,
-    },
-    /// They hold numbers of the other precision.
-    OtherPrecision {
-        /// Bytes of one number.
-        bytes: u32,
-    },
+    /// So many bytes do not start as such bytes do, or are not as long as they say.
+    Foreign { length: usize },
+    /// Another version of the library wrote them, in the form of this number.
+    OtherVersion { version: u32 },
+    /// They hold numbers of the other precision, of so many bytes each.
+    OtherPrecision { bytes: u32 },
     /// They have been changed since they were written.
     Damaged,
 }

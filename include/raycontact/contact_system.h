@@ -69,8 +69,6 @@ typedef struct rayc_contact_system_options {
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_contact_system_options(size_t struct_size, struct rayc_contact_system_options *options);
 

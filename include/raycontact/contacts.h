@@ -20,8 +20,7 @@ extern "C" {
  *
  * Threads: several threads may make calls with const contacts at the same time. The caller frees the list with
  * rayc_contacts_destroy(). It stays valid when meshes, octrees and scenes are gone. Each query replaces its contents
- * and reuses its memory. Do not use a list after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE
- * where it can tell, but does not promise to.
+ * and reuses its memory.
  */
 typedef struct rayc_contacts rayc_contacts;
 
@@ -233,8 +232,6 @@ typedef struct rayc_response_options {
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_response_options(size_t struct_size, struct rayc_response_options *options);
 
@@ -288,9 +285,8 @@ enum rayc_status rayc_contacts_add_differential(const struct rayc_contacts *cont
  * triangles; a push changes with the distance that it grows with, with the area and the normal of its part of the surface, and
  * where its ray ends. So this Jacobian is not symmetric: use a solver such as GMRES. Held are the samples, the vertices over
  * which patches spread loads, contacts of edges, escapes, damping and friction. With RAYC_SAMPLING_SPACING, no longer
- * than the triangles' edges, it is the derivative of the forces; by accuracy it lacks how samples come and go, and is off by tens
- * of per cent on curved bodies.
- * It looks for nearest points again, so a call takes about as long as finding the contacts.
+ * than the triangles' edges, it is the derivative of the forces. By accuracy it lacks how samples come and go: tens of per cent
+ * on curved bodies. It looks for nearest points again, so a call takes about as long as finding the contacts.
  *
  * Errors: those of rayc_contacts_add_differential(), RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OCTREE_STALE where a body has moved
  * since the contacts were found, or they are of another scene, RAYC_STATUS_PRECISION_MISMATCH.
@@ -502,8 +498,6 @@ typedef struct rayc_statistics {
 /**
  * What the query that filled `contacts` did. struct_size: sizeof(rayc_statistics), so that a later library writes no more
  * than the caller knows.
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_contacts_statistics(const struct rayc_contacts *contacts,
                                           size_t struct_size,
@@ -606,8 +600,6 @@ typedef struct rayc_detection_options {
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_detection_options(size_t struct_size, struct rayc_detection_options *options);
 
@@ -615,8 +607,6 @@ enum rayc_status rayc_default_detection_options(size_t struct_size, struct rayc_
  * Fills `options` with what makes a query just what the paper does: rays from the vertices, its two filters and its law,
  * nothing else. Its forces are those with RAYC_WEIGHTING_VERTEX in rayc_response_options. struct_size:
  * sizeof(rayc_detection_options).
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_paper_detection_options(size_t struct_size,
                                               struct rayc_detection_options *options);

@@ -20,9 +20,7 @@ extern "C" {
  * are allowed, such as the inner nodes of a volume mesh.
  *
  * Threads: several threads may make calls with a const mesh at the same time. A call that changes the mesh must run
- * alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any
- * more. Do not use a mesh after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell,
- * but does not promise to.
+ * alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any more.
  */
 typedef struct rayc_mesh rayc_mesh;
 
@@ -61,8 +59,6 @@ typedef struct rayc_mesh_options {
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_mesh_options(size_t struct_size, struct rayc_mesh_options *options);
 

@@ -19,9 +19,8 @@ extern "C" {
  * The search structure over one mesh's triangles, for one state of its positions.
  *
  * Threads: several threads may make calls with a const octree at the same time. The caller frees the octree with
- * rayc_octree_destroy(), before or after its mesh, and must not use it after that: the library returns
- * RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to. rayc_mesh_set_positions() makes an octree
- * stale. Every use of a stale octree is refused until rayc_octree_update().
+ * rayc_octree_destroy(), before or after its mesh. rayc_mesh_set_positions() makes an octree stale. Every use of a
+ * stale octree is refused until rayc_octree_update().
  */
 typedef struct rayc_octree rayc_octree;
 
@@ -61,8 +60,6 @@ typedef struct rayc_octree_options {
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_octree_options).
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_octree_options(size_t struct_size, struct rayc_octree_options *options);
 

@@ -21,8 +21,7 @@ extern "C" {
  *
  * Threads: only one call at a time may use a scene, from any thread; calls with a const scene may run at the same
  * time. Other calls return RAYC_STATUS_BUSY. Different scenes may be used at once. rayc_scene_options says whose
- * threads do the work. The caller frees the scene with rayc_scene_destroy(), which also ends its threads. Do not use
- * a scene after that: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to.
+ * threads do the work. The caller frees the scene with rayc_scene_destroy(), which also ends its threads.
  */
 typedef struct rayc_scene rayc_scene;
 
@@ -82,8 +81,6 @@ typedef struct rayc_scene_options {
 
 /**
  * Fills `options` with the defaults. struct_size: sizeof(rayc_scene_options).
- *
- * Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
  */
 enum rayc_status rayc_default_scene_options(size_t struct_size, struct rayc_scene_options *options);
 

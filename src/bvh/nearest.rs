@@ -1,6 +1,3 @@
-// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use crate::bvh::node::{CHILD_COUNT, Node};
 use crate::bvh::sought::{Nearest, Sought};
 use crate::bvh::tile::Tile;

@@ -3,9 +3,6 @@
 //! Rounded products and sums rise with each factor and term. So the box around a box's moved corners holds every moved vertex
 //! to the bit, without a margin, and the extent of the body is found from few of its tiles.
 
-// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use crate::bvh::node::{CHILD_COUNT, Node};
 use crate::bvh::tile::{Outline, Tile};
 use crate::bvh::tile_cylinder::TileCylinder;

@@ -1,6 +1,3 @@
-// Lanes side by side read best as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use crate::bvh::tile::{TILE_SIZE, Tile};
 use crate::math::{Scalar, Vector3, direction, margins};
 use crate::memory;

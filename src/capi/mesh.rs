@@ -18,15 +18,13 @@ use std::path::Path;
 /// are allowed, such as the inner nodes of a volume mesh.
 ///
 /// Threads: several threads may make calls with a const mesh at the same time. A call that changes the mesh must run
-/// alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any
-/// more. Do not use a mesh after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell,
-/// but does not promise to.
+/// alone. The caller frees the mesh with rayc_mesh_destroy(); octrees and scenes made from it do not need it any more.
 pub struct rayc_mesh {
     pub(super) mesh: AnyMesh,
 }
 
 impl Handle for rayc_mesh {
-    const KIND: HandleKind = HandleKind::Mesh;
+    const KIND: HandleKind = HandleKind::MESH;
 }
 
 /// A mesh of either precision.
@@ -111,12 +109,9 @@ impl Options for rayc_mesh_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_mesh_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_mesh_options(struct_size: usize, options: *mut rayc_mesh_options) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_defaults(struct_size, options) })
+    guard(|| write_defaults(struct_size, options))
 }
 
 /// Checks and copies a surface.
@@ -134,14 +129,12 @@ pub unsafe extern "C" fn rayc_mesh_create(
     triangle_count: usize,
     mesh: *mut *mut rayc_mesh,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let options = read_options(options)?;
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
         let triangles = slice(triangles.cast::<[u32; 3]>(), triangle_count, "triangles")?;
         let place = Output::new(mesh, "mesh")?;
-        give(place, rayc_mesh { mesh: AnyMesh::new(&options, &positions, triangles, Failure::from)? });
-        Ok(())
+        give(place, rayc_mesh { mesh: AnyMesh::new(&options, &positions, triangles, Failure::from)? })
     })
 }
 
@@ -157,8 +150,7 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
     path: *const c_char,
     mesh: *mut *mut rayc_mesh,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let options = read_options(options)?;
         let path = CStr::from_ptr(reference(path, "path")?).to_str().map_err(|_| {
             Failure::new(rayc_status::RAYC_STATUS_FILE_NOT_READABLE, "path is not UTF-8; pass it encoded so")
@@ -176,8 +168,7 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
             Failure::new(mesh_status(&error), text!("{path}: {message}"))
         };
         let mesh = AnyMesh::new(&options, &Strided::new(&positions, "positions")?, &surface.triangles, failure)?;
-        give(place, rayc_mesh { mesh });
-        Ok(())
+        give(place, rayc_mesh { mesh })
     })
 }
 
@@ -187,8 +178,7 @@ pub unsafe extern "C" fn rayc_mesh_create_from_obj(
 /// before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions: *const rayc_vectors) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
         with_precision!(&mut changing(mesh, "mesh")?.mesh, |mesh| renew_positions(mesh, &positions))
     })
@@ -197,8 +187,7 @@ pub unsafe extern "C" fn rayc_mesh_set_positions(mesh: *mut rayc_mesh, positions
 /// Frees a mesh; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_destroy(mesh: *mut rayc_mesh) -> rayc_status {
-    // SAFETY: the handle is the caller's, and is not used again.
-    guard_end(|| unsafe { take_back(mesh, "mesh") })
+    guard_end(|| take_back(mesh, "mesh"))
 }
 
 fn read_all<T: Scalar>(vectors: &Strided) -> Vec<[T; 3]> {
@@ -224,22 +213,18 @@ fn before_conversion<T: Scalar>(error: MeshError, positions: &Strided) -> MeshEr
 /// How many vertices the mesh has, used by triangles or not.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_vertex_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mesh = reading(mesh, "mesh")?;
-        Output::new(count, "count")?.write(mesh.mesh.topology().vertex_count());
-        Ok(())
+        Output::new(count, "count")?.write(mesh.mesh.topology().vertex_count())
     })
 }
 
 /// How many triangles the mesh has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_triangle_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mesh = reading(mesh, "mesh")?;
-        Output::new(count, "count")?.write(mesh.mesh.topology().triangles().len());
-        Ok(())
+        Output::new(count, "count")?.write(mesh.mesh.topology().triangles().len())
     })
 }
 
@@ -256,8 +241,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_positions(
         mesh.positions().iter().enumerate().for_each(|(vertex, position)| to.write(vertex, position));
         Ok(())
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut positions = Strided::new_mut(reference(positions, "positions")?, "positions")?;
         with_precision!(&reading(mesh, "mesh")?.mesh, |mesh| copy(mesh, &mut positions))
     })
@@ -272,12 +256,10 @@ pub unsafe extern "C" fn rayc_mesh_copy_triangles(
     index_count: usize,
     triangles: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mesh = reading(mesh, "mesh")?;
         let indices = mesh.mesh.topology().triangles().as_flattened();
-        Output::exactly(triangles, index_count, indices.len(), "triangles")?.write_all(indices.iter().copied());
-        Ok(())
+        Output::exactly(triangles, index_count, indices.len(), "triangles")?.write_all(indices.iter().copied())
     })
 }
 
@@ -296,11 +278,9 @@ pub struct rayc_hole {
 /// How many holes were closed when the mesh was made.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_hole_count(mesh: *const rayc_mesh, count: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mesh = reading(mesh, "mesh")?;
-        Output::new(count, "count")?.write(with_precision!(&mesh.mesh, |mesh| mesh.holes().len()));
-        Ok(())
+        Output::new(count, "count")?.write(with_precision!(&mesh.mesh, |mesh| mesh.holes().len()))
     })
 }
 
@@ -313,8 +293,7 @@ pub unsafe extern "C" fn rayc_mesh_copy_holes(
     count: usize,
     holes: *mut rayc_hole,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mesh = reading(mesh, "mesh")?;
         let closed = with_precision!(&mesh.mesh, |mesh| mesh.holes());
         let exported = closed.iter().map(|&Hole { first_triangle, triangle_count, area_share }| rayc_hole {
@@ -322,7 +301,6 @@ pub unsafe extern "C" fn rayc_mesh_copy_holes(
             triangle_count,
             area_share,
         });
-        Output::exactly(holes, count, closed.len(), "holes")?.write_all(exported);
-        Ok(())
+        Output::exactly(holes, count, closed.len(), "holes")?.write_all(exported)
     })
 }

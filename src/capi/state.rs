@@ -49,11 +49,9 @@ impl<T: Scalar> From<&([u32; 2], PairMemory<T>)> for rayc_pair_memory {
 /// How many pairs remember something: those whose boxes overlapped in the last query.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_pair_memory_count(scene: *const rayc_scene, count: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let scene = &reading(scene, "scene")?.scene;
-        Output::new(count, "count")?.write(memory_count(scene));
-        Ok(())
+        Output::new(count, "count")?.write(memory_count(scene))
     })
 }
 
@@ -70,24 +68,20 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_memories(
     struct_size: usize,
     out: *mut rayc_pair_memory,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let scene = &reading(scene, "scene")?.scene;
         let range = range_of("pair memories", first, count, memory_count(scene))?;
         let out = Known::new(struct_size, out, count, "out")?;
-        with_precision!(scene, |scene| out.write_all(scene.pair_memories()[range].iter().map(Into::into)));
-        Ok(())
+        with_precision!(scene, |scene| out.write_all(scene.pair_memories()[range].iter().map(Into::into)))
     })
 }
 
 /// How many bytes rayc_scene_save_pair_memories() writes now.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_saved_length(scene: *const rayc_scene, length: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let scene = &reading(scene, "scene")?.scene;
-        Output::new(length, "length")?.write(with_precision!(scene, |scene| scene.saved_length()));
-        Ok(())
+        Output::new(length, "length")?.write(with_precision!(scene, |scene| scene.saved_length()))
     })
 }
 
@@ -102,13 +96,11 @@ pub unsafe extern "C" fn rayc_scene_save_pair_memories(
     length: usize,
     bytes: *mut u8,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let scene = &reading(scene, "scene")?.scene;
         let mut saved = Vec::new();
         with_precision!(scene, |scene| scene.save_pair_memories(&mut saved));
-        Output::exactly(bytes, length, saved.len(), "bytes")?.write_all(saved.into_iter());
-        Ok(())
+        Output::exactly(bytes, length, saved.len(), "bytes")?.write_all(saved.into_iter())
     })
 }
 
@@ -123,8 +115,7 @@ pub unsafe extern "C" fn rayc_scene_restore_pair_memories(
     length: usize,
     bytes: *const u8,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let bytes = slice(bytes, length, "bytes")?;
         with_precision!(&mut scene.scene, |scene| Ok(scene.restore_pair_memories(bytes)?))

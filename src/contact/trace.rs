@@ -14,10 +14,10 @@ pub(crate) struct Rays<T: Scalar> {
 impl<T: Scalar> Rays<T> {
     pub(crate) fn new() -> Self {
         Self {
-            packet: RayPacket::empty(),
+            packet: RayPacket::default(),
             candidates: Candidates::new(),
-            hits: PacketHits::empty(),
-            distances: PointDistances::new(),
+            hits: PacketHits::default(),
+            distances: PointDistances::default(),
         }
     }
 }

@@ -21,7 +21,7 @@ pub fn look_ahead<T: Scalar>(
     free_velocities: Option<&[f64]>,
 ) -> Result<(), SystemError> {
     system.prepare(scene, dt, [positions, velocities, free_velocities.unwrap_or(velocities)])?;
-    let is_ahead = free_velocities.is_some() && system.looks_ahead;
+    let is_ahead = free_velocities.is_some() && !system.looks_at_start;
     system.move_surfaces(scene, if is_ahead { dt } else { 0.0 }, true)
 }
 

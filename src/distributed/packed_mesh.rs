@@ -78,9 +78,6 @@ pub fn pack_mesh<T: Scalar>(mesh: &Mesh<T>, bytes: &mut Vec<u8>) {
 }
 
 /// The mesh that was packed, at its reference positions.
-///
-/// # Errors
-/// [`PackedMeshError`].
 pub fn unpack_mesh<T: Scalar>(bytes: &[u8]) -> Result<Mesh<T>, PackedMeshError> {
     let (number_size, mut head) = packed_number_size(bytes)?;
     let open = head.whole();

@@ -70,9 +70,6 @@ impl<T: Scalar> ForcesByPair<T> {
     }
 
     /// Sums the forces of `list` anew. The arrays are as in [`add_forces`](crate::force::add_forces).
-    ///
-    /// # Panics
-    /// Where a body or vertex of a contact lies beyond the given arrays.
     pub fn sum<P: Vectors<T>>(
         &mut self,
         list: &ContactList<T>,

@@ -1,5 +1,6 @@
 //! Forces and products part by part, a part being what one pair does to one of its bodies. A part does not depend on other
-//! pairs, so sums of parts in a fixed order have the same bits, whichever process found the pairs.
+//! pairs, so sums of parts in a fixed order have the same bits, whichever process found the pairs. What a contact system has too
+//! fails as it does there.
 
 use super::part_matrix::{Matrix, PartBlock};
 use crate::math::{Scalar, margins};
@@ -117,9 +118,6 @@ impl<'a, T: Scalar> PartsOf<'a, T> {
     }
 
     /// Like [`add_forces`](ContactSystem::add_forces), part by part: replaces `forces`, three numbers for each block.
-    ///
-    /// # Errors
-    /// As there.
     pub fn forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
         let Self { found, system } = self;
         let step = system.check_velocities(velocities)?;
@@ -132,9 +130,6 @@ impl<'a, T: Scalar> PartsOf<'a, T> {
     }
 
     /// Like [`add_product`](ContactSystem::add_product), part by part: replaces `result`, three numbers for each block.
-    ///
-    /// # Errors
-    /// As there.
     pub fn products(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
         let Self { found, system } = self;
         system.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
@@ -172,9 +167,6 @@ impl<'a, T: Scalar> PartsOf<'a, T> {
 
     /// Like [`energy`](ContactSystem::energy), pair by pair: replaces `joules`, a number for each part. The first part of a pair
     /// has all of its energy, the second none; a pair without parts can do no work.
-    ///
-    /// # Errors
-    /// As there.
     pub fn energies(&mut self, velocities: &[f64], joules: &mut [f64]) -> Result<(), SystemError> {
         let Self { found, system } = self;
         let step = system.check_velocities(velocities)?;

@@ -4,7 +4,7 @@ use crate::math::{Scalar, Vector3};
 /// What a pair of bodies remembers from step to step while their boxes overlap: whether it is escaping, and whether its
 /// overlap gets smaller. Forgotten when the bodies are apart. A host that saves and restores its own state saves and
 /// restores this with it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PairMemory<T: Scalar> {
     /// The direction in which the first body leaves the second, of unit length; `None` while contacts do.
     pub escape: Option<Vector3<T>>,
@@ -30,9 +30,13 @@ pub struct Record<T: Scalar> {
     pub steps: u32,
 }
 
-impl<T: Scalar> Record<T> {
-    const NONE: Self = Self { value: T::INFINITY, steps: 0 };
+impl<T: Scalar> Default for Record<T> {
+    fn default() -> Self {
+        Self { value: T::INFINITY, steps: 0 }
+    }
+}
 
+impl<T: Scalar> Record<T> {
     /// Counts a step; a value of at most `factor` times the record replaces it.
     fn follow(&mut self, value: T, factor: T) {
         *self = if value <= self.value * factor {
@@ -40,18 +44,6 @@ impl<T: Scalar> Record<T> {
         } else {
             Self { value: self.value, steps: self.steps.saturating_add(1) }
         };
-    }
-}
-
-impl<T: Scalar> Default for PairMemory<T> {
-    fn default() -> Self {
-        Self {
-            escape: None,
-            lowest: Record::NONE,
-            halved: Record::NONE,
-            net_push: Vector3::zeros(),
-            mean_depth: T::zero(),
-        }
     }
 }
 
@@ -157,7 +149,7 @@ mod tests {
 
     #[test]
     fn records_stand_until_they_are_undercut_by_the_factor() {
-        let mut record = Record::NONE;
+        let mut record = Record::default();
         // Each number, and what stands after it.
         for (value, stands, steps) in [
             (8.0, 8.0, 0),

@@ -8,6 +8,8 @@
 //! The energy is ½ Σ c δ², and the elastic force its negative gradient. The differential is the rank-one part along d, which is
 //! negative semi-definite. The turning of d with the surface is left out of it, so that conjugate gradients may be used, and so
 //! is friction.
+//!
+//! Functions panic where a body or vertex of a contact lies beyond the arrays that they are given.
 
 mod differential;
 mod law;
@@ -75,9 +77,6 @@ impl<'a, T: Scalar> Spring<'a, T> {
 /// Adds the forces of a list's contacts to `forces`, which holds one array per body, as do `positions` (`None`: as at detection)
 /// and `velocities` (`None`: no damping and no friction). Friction acts at both ends, so it keeps momentum but gives the pair a
 /// net torque, depth times friction; [`add_wrenches`] keeps angular momentum too.
-///
-/// # Panics
-/// Where a body or vertex of a contact lies beyond the given arrays.
 pub fn add_forces<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
@@ -109,9 +108,6 @@ pub(crate) fn add_forces_of<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 
 /// Adds `stiffness_factor` · (∂force/∂position) d + `damping_factor` · (∂force/∂velocity) d to `forces`, for the
 /// displacements d, without friction; both Jacobians are negative semi-definite. For each iteration of implicit integrators.
-///
-/// # Panics
-/// Where a body or vertex of a contact lies beyond the given arrays.
 pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
     list: &ContactList<T>,
     law: &PenaltyLaw,
@@ -128,9 +124,6 @@ pub fn add_differential<T: Scalar, P: Vectors<T>, F: BodiesMut<T> + ?Sized>(
 }
 
 /// The energy stored in the contacts, ½ Σ c δ², at `positions` (`None`: as at detection).
-///
-/// # Panics
-/// Where a body or vertex of a contact lies beyond the given arrays.
 pub fn energy<T: Scalar, P: Vectors<T>>(list: &ContactList<T>, law: &PenaltyLaw, positions: Option<&[P]>) -> T {
     let doubled = list.contacts.iter().fold(T::zero(), |sum, contact| {
         let spring = Spring::new(list, contact, law);

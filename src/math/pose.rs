@@ -16,24 +16,15 @@ pub struct Pose {
 
 /// Why numbers are no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "a field's name says what it is")]
 pub enum PoseError {
     /// A coordinate of the position is NaN or infinite.
-    Position {
-        /// Which.
-        axis: usize,
-    },
+    Position { axis: usize },
     /// An entry of the rotation is NaN or infinite.
-    Rotation {
-        /// Its row.
-        row: usize,
-        /// Its column.
-        column: usize,
-    },
-    /// The rows are not at right angles to one another and of unit length.
-    NotOrthonormal {
-        /// How far rotation · rotationᵀ is from the identity, as the root of the sum of squares.
-        by: f64,
-    },
+    Rotation { row: usize, column: usize },
+    /// The rows are not at right angles to one another and of unit length: rotation · rotationᵀ is off the identity by so much, as
+    /// the root of the sum of squares.
+    NotOrthonormal { by: f64 },
     /// The rotation turns the body's left hand into a right one: its determinant is −1.
     Mirrored,
 }
@@ -65,10 +56,7 @@ impl Pose {
     pub const IDENTITY: Self =
         Self { position: [0.0; 3], rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
 
-    /// Whether the numbers are a pose.
-    ///
-    /// # Errors
-    /// Every way in which they are not.
+    /// Whether the numbers are a pose, or else why not.
     pub fn check(&self) -> Result<(), PoseError> {
         let Self { position, rotation } = self;
         if let Some(axis) = position.iter().position(|x| !x.is_finite()) {

@@ -3,140 +3,50 @@ use std::fmt;
 
 /// Why a mesh was refused. Nothing was created or changed.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "a field's name says what it is")]
 pub enum MeshError {
     /// There is no triangle.
     Empty,
     /// More vertices or triangles than 32-bit indices reach.
-    TooLarge {
-        /// How many were given.
-        count: usize,
-    },
-    /// A triangle names a vertex that does not exist.
-    IndexOutOfRange {
-        /// The triangle.
-        triangle: usize,
-        /// The index it names.
-        index: u32,
-        /// How many vertices there are.
-        vertex_count: usize,
-    },
+    TooLarge { count: usize },
+    /// A triangle names a vertex that does not exist, by this index.
+    IndexOutOfRange { triangle: usize, index: u32, vertex_count: usize },
     /// A triangle names one vertex twice, or its three corners lie on a line.
-    DegenerateTriangle {
-        /// The triangle.
-        triangle: usize,
-        /// Its corners.
-        corners: [u32; 3],
-    },
-    /// An edge belongs to one triangle only.
-    Open {
-        /// The triangle.
-        triangle: usize,
-        /// The edge's two vertices.
-        edge: [u32; 2],
-    },
-    /// Vertices of the border lie in one place: a seam that was not welded.
-    Seam {
-        /// Two of them.
-        vertices: [u32; 2],
-        /// How many there are.
-        count: usize,
-    },
+    DegenerateTriangle { triangle: usize, corners: [u32; 3] },
+    /// An edge, given by its two vertices, belongs to one triangle only.
+    Open { triangle: usize, edge: [u32; 2] },
+    /// So many vertices of the border lie where another does, such as these two: a seam that was not welded.
+    Seam { vertices: [u32; 2], count: usize },
     /// Two holes share a vertex, so the loop around each of them is not settled.
-    HolesTouch {
-        /// The vertex.
-        vertex: u32,
-    },
-    /// A hole has more vertices around it than are closed.
-    HoleTooLong {
-        /// The first vertex around it.
-        vertex: u32,
-        /// How many there are.
-        vertex_count: usize,
-        /// How many there may be.
-        most: usize,
-    },
-    /// A hole makes the caps larger than they may be.
-    HoleTooLarge {
-        /// The first vertex around it.
-        vertex: u32,
-        /// How many there are.
-        vertex_count: usize,
-        /// The area of the caps so far, as a part of that of the connected part.
-        share: f64,
-        /// How large that may be.
-        most: f64,
-    },
-    /// A hole cannot be closed by triangles that all have an area, without an edge that the mesh has already.
-    HoleNotClosed {
-        /// The first vertex around it.
-        vertex: u32,
-        /// How many there are.
-        vertex_count: usize,
-    },
+    HolesTouch { vertex: u32 },
+    /// The hole at this vertex has more vertices around it than are closed.
+    HoleTooLong { vertex: u32, vertex_count: usize, most: usize },
+    /// With the hole at this vertex, the caps have a larger share of the area of their connected part than they may.
+    HoleTooLarge { vertex: u32, vertex_count: usize, share: f64, most: f64 },
+    /// The hole at this vertex cannot be closed by triangles that all have an area, without an edge that the mesh has already.
+    HoleNotClosed { vertex: u32, vertex_count: usize },
     /// The part of the area that caps may have is below 0, above 1 or NaN.
-    CloseHoles {
-        /// The value given.
-        value: f64,
-    },
+    CloseHoles { value: f64 },
     /// Two neighbours run through their shared edge the same way, so one of them faces inward.
-    InconsistentOrientation {
-        /// The two triangles.
-        triangles: [usize; 2],
-        /// The edge's two vertices.
-        edge: [u32; 2],
-    },
+    InconsistentOrientation { triangles: [usize; 2], edge: [u32; 2] },
     /// An edge belongs to more than two triangles.
-    NonManifold {
-        /// The edge's two vertices.
-        edge: [u32; 2],
-        /// How many triangles share it.
-        triangle_count: usize,
-    },
-    /// A closed part is consistent, but its normals point into it, and it lies in no other part as a cavity would.
-    Inward {
-        /// One of its triangles.
-        triangle: usize,
-        /// The volume the part encloses, negative.
-        volume: f64,
-    },
-    /// A closed part encloses no volume beyond rounding: two sheets back to back, or one half turned against the other.
-    Flat {
-        /// One of its triangles.
-        triangle: usize,
-    },
+    NonManifold { edge: [u32; 2], triangle_count: usize },
+    /// The closed part with this triangle is consistent, but its normals point into it, so that its volume is negative, and it lies
+    /// in no other part as a cavity would.
+    Inward { triangle: usize, volume: f64 },
+    /// The closed part with this triangle encloses no volume beyond rounding: two sheets back to back, or one half turned against
+    /// the other.
+    Flat { triangle: usize },
     /// A triangle is so large that its area is beyond the largest number of the mesh's precision.
-    Overflow {
-        /// The triangle.
-        triangle: usize,
-    },
+    Overflow { triangle: usize },
     /// Positions for another number of vertices.
-    WrongCount {
-        /// How many were given.
-        given: usize,
-        /// How many the mesh has.
-        expected: usize,
-    },
-    /// A coordinate is NaN or infinite.
-    NotFinite {
-        /// The vertex.
-        vertex: usize,
-        /// Whether the mesh had positions before, and these were to replace them.
-        is_renewal: bool,
-    },
-    /// A coordinate is a finite number, but larger than any of the mesh's precision.
-    BeyondRange {
-        /// The vertex.
-        vertex: usize,
-        /// The coordinate.
-        value: f64,
-        /// The largest number of the mesh's precision.
-        largest: f64,
-    },
+    WrongCount { given: usize, expected: usize },
+    /// A coordinate of a vertex is NaN or infinite, when the mesh was made or, in a renewal, given new positions.
+    NotFinite { vertex: usize, is_renewal: bool },
+    /// A vertex has a coordinate that is finite, but larger than the largest number of the mesh's precision.
+    BeyondRange { vertex: usize, value: f64, largest: f64 },
     /// The distance between the unknowns that carry a mesh is negative or NaN.
-    CarrierSpacing {
-        /// The value given.
-        value: f64,
-    },
+    CarrierSpacing { value: f64 },
 }
 
 /// How messages name triangles and vertices.

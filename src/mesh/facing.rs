@@ -1,6 +1,3 @@
-// Lanes side by side read best as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use super::Mesh;
 use super::normals::{Fan, NormalLanes};
 use crate::math::Scalar;
@@ -84,7 +81,7 @@ mod tests {
 
         fn run<L: Lanes<T>>(self) -> Self::Output {
             let mut all = Vec::new();
-            let (mut normals, mut alone) = (NormalLanes::empty(), NormalLanes::empty());
+            let (mut normals, mut alone) = (NormalLanes::default(), NormalLanes::default());
             for some in self.0.topology().surface_vertices().chunks(LANE_COUNT) {
                 let Facing { along, against } = self.0.facing::<L>(some, &mut normals);
                 self.0.vertex_normals::<L>(some, &mut alone);

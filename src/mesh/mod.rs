@@ -78,7 +78,7 @@ pub(crate) struct Carrier<T> {
 }
 
 /// A mesh as it was created.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Reference<T: Scalar> {
     positions: Vec<Vector3<T>>,
     /// Found when first asked for, like the patches, the order and the roundness.
@@ -189,14 +189,7 @@ impl<T: Scalar> Mesh<T> {
             all: OnceLock::new(),
             told_spacing: None,
             carrier: Carrier { spacing: T::zero(), are_vertices_nodes: true },
-            reference: memory::shared(Reference {
-                positions: reference,
-                clusters: OnceLock::new(),
-                patches: OnceLock::new(),
-                triangles_in_space: OnceLock::new(),
-                roundness: OnceLock::new(),
-                holes,
-            }),
+            reference: memory::shared(Reference { positions: reference, holes, ..Reference::default() }),
         };
         mesh.place(positions, false)?;
         mesh.check_areas()?;

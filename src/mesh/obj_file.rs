@@ -10,21 +10,12 @@ pub type Surface = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 /// Why an `.obj` file could not be read.
 #[derive(Debug)]
+#[expect(missing_docs, reason = "a field's name says what it is")]
 pub enum ObjFileError {
     /// The file is missing or may not be read.
-    NotReadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The file's text is not an `.obj` surface.
-    Broken {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong, and where.
-        reason: String,
-    },
+    NotReadable { path: PathBuf, source: std::io::Error },
+    /// The file's text is not an `.obj` surface, for this reason.
+    Broken { path: PathBuf, reason: String },
 }
 
 impl fmt::Display for ObjFileError {

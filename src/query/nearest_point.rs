@@ -72,18 +72,6 @@ impl<T: Scalar> Tracer<'_, T> {
         dispatch::<T, _>(ClosestPoints { tracer: self, points, bounds, sought: Beyond { parts, part }, found });
     }
 
-    fn closest_one_by_one(
-        &self,
-        points: &[Vector3<T>],
-        bounds: &[T],
-        sought: impl Sought,
-        found: &mut [Option<ClosestPoint<T>>],
-    ) {
-        for ((point, &bound), found) in points.iter().zip(bounds).zip(found) {
-            *found = self.closest_point_of(point, bound, sought);
-        }
-    }
-
     /// The point of one triangle that is nearest to a point.
     pub(crate) fn closest_on(&self, triangle: u32, point: &Vector3<T>) -> Option<ClosestPoint<T>> {
         Some(self.on_triangle(&QueryPoint::new(point, &MeshScale::new(self.mesh().aabb()))?, triangle))
@@ -114,7 +102,7 @@ impl<T: Scalar> Tracer<'_, T> {
 }
 
 /// How far up to sixteen points are from a surface, and scratch memory for finding out.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PointDistances<T: Scalar> {
     packet: PointPacket<T>,
     /// Whether `packet` holds the answers: the points were asked about together.
@@ -124,11 +112,6 @@ pub(crate) struct PointDistances<T: Scalar> {
 }
 
 impl<T: Scalar> PointDistances<T> {
-    pub(crate) fn new() -> Self {
-        let (packet, nearest) = (PointPacket::empty(), PacketPoints::empty());
-        Self { packet, are_of_packet: false, distances: [T::zero(); LANE_COUNT], nearest }
-    }
-
     /// The triangle that a lane's distance is to, where it was found within the bound.
     pub(crate) fn triangle(&self, lane: usize) -> Option<u32> {
         (self.are_of_packet && self.packet.found >> lane & 1 == 1).then(|| self.packet.triangle[lane])
@@ -136,7 +119,7 @@ impl<T: Scalar> PointDistances<T> {
 }
 
 /// The nearest points on the triangles that the search for a packet has found.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct PacketPoints<T: Scalar> {
     points: TrianglePoints<T>,
     /// By lane the places of its triangle's corners, in ascending order of their vertices.
@@ -144,10 +127,6 @@ struct PacketPoints<T: Scalar> {
 }
 
 impl<T: Scalar> PacketPoints<T> {
-    fn empty() -> Self {
-        Self { points: TrianglePoints::empty(), places: [[0; 3]; LANE_COUNT] }
-    }
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn set<L: Lanes<T>>(&mut self, mesh: &Mesh<T>, packet: &PointPacket<T>, factors: [T; 2]) {
         // Lanes without a triangle take the first one.
@@ -245,15 +224,13 @@ impl<T: Scalar, S: Sought> Kernel<T> for ClosestPoints<'_, '_, T, S> {
     fn run<L: Lanes<T>>(self) {
         let mesh = self.tracer.mesh();
         let scale = MeshScale::new(mesh.aabb());
-        let (mut packet, mut nearest) = (PointPacket::empty(), PacketPoints::empty());
+        let (mut packet, mut nearest) = (PointPacket::default(), PacketPoints::default());
         let blocks = self.points.chunks(BLOCK).zip(self.bounds.chunks(BLOCK));
         for ((points, bounds), found) in blocks.zip(self.found.chunks_mut(BLOCK)) {
-            let Tree::Bvh(tree) = self.tracer.tree else {
-                self.tracer.closest_one_by_one(points, bounds, self.sought, found);
-                continue;
-            };
             for places in PointOrder::new(points).places().chunks(LANE_COUNT) {
-                if packet.set::<L>(points, bounds, places, &scale) {
+                if let Tree::Bvh(tree) = self.tracer.tree
+                    && packet.set::<L>(points, bounds, places, &scale)
+                {
                     tree.find_closest_of_packet::<L>(mesh, self.sought, &mut packet);
                     nearest.set::<L>(mesh, &packet, scale.factors);
                     for (lane, &place) in places.iter().enumerate() {

@@ -1,6 +1,7 @@
 use crate::bvh::Candidates;
 use crate::math::{Scalar, Vector3};
 use crate::memory;
+use crate::query::crossings::winding_number;
 use crate::query::octree::Tree;
 use crate::query::point_order::{BLOCK, PointOrder};
 use crate::query::tracer::Tracer;
@@ -55,12 +56,9 @@ impl<T: Scalar> Tracer<'_, T> {
         crossings: &mut Vec<Hit<T>>,
         numbers: &mut [i32; LANE_COUNT],
     ) {
-        let triangles = self.mesh().topology().triangles();
         for lane in lanes_of(packet.present) {
-            self.crossings(&packet.ray(lane), crossings);
-            let is_own = |hit: &Hit<T>| touched.iter().all(|v| triangles[hit.triangle as usize].contains(&v[lane]));
-            let counted = crossings.iter().filter(|hit| !is_own(hit));
-            numbers[lane] = counted.map(Hit::sign).sum();
+            let touched = [0, 1, 2].map(|corner| touched[corner][lane]);
+            numbers[lane] = winding_number(self, &packet.ray(lane), touched, crossings);
         }
     }
 }
@@ -78,7 +76,7 @@ impl<T: Scalar> Kernel<T> for WindingNumbers<'_, '_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let Self { tracer, points, numbers } = self;
-        let (mut packet, mut list, mut crossings) = (RayPacket::empty(), Candidates::new(), Vec::new());
+        let (mut packet, mut list, mut crossings) = (RayPacket::default(), Candidates::new(), Vec::new());
         for (points, numbers) in points.chunks(BLOCK).zip(numbers.chunks_mut(BLOCK)) {
             let order = PointOrder::new(points);
             let is_in_box = |&&place: &&u32| tracer.mesh().aabb().contains(&points[place as usize]);
@@ -136,7 +134,7 @@ mod tests {
         type Output = Vec<i32>;
 
         fn run<L: Lanes<T>>(self) -> Vec<i32> {
-            let mut packet = RayPacket::empty();
+            let mut packet = RayPacket::default();
             let (mut list, mut crossings, mut all) = (Candidates::new(), Vec::new(), Vec::new());
             for direction in self.directions {
                 for vertices in self.vertices.chunks(LANE_COUNT) {

@@ -29,7 +29,7 @@ pub(super) type Boxed<T> = Box<[Body<T>; 1]>;
 
 /// The bodies of a scene in their order: ascending by key, and by number where keys are equal. A number without a body costs
 /// four bytes and no time.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Bodies<T: Scalar> {
     list: Vec<Boxed<T>>,
     /// Numbers of removed bodies that may be given again, in descending order.
@@ -40,12 +40,6 @@ pub(super) struct Bodies<T: Scalar> {
 
 /// The index of a number without a body.
 const NOWHERE: u32 = u32::MAX;
-
-impl<T: Scalar> Default for Bodies<T> {
-    fn default() -> Self {
-        Self { list: Vec::new(), released: Vec::new(), places: Vec::new() }
-    }
-}
 
 impl<T: Scalar> Bodies<T> {
     /// Adds a body and gives its number, which is its key unless another is given.

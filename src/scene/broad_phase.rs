@@ -2,7 +2,7 @@ use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
 
 /// Finds the pairs of bodies whose boxes overlap: sorts the boxes along one axis and compares those whose intervals meet.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct BroadPhase<T: Scalar> {
     sorted: Vec<(Aabb<T>, u32)>,
     pairs: Vec<[u32; 2]>,
@@ -10,12 +10,6 @@ pub(super) struct BroadPhase<T: Scalar> {
     meetings: Vec<[u32; 2]>,
     /// The boxes in the order of the bodies.
     boxes: Vec<Aabb<T>>,
-}
-
-impl<T: Scalar> Default for BroadPhase<T> {
-    fn default() -> Self {
-        Self { sorted: Vec::new(), pairs: Vec::new(), meetings: Vec::new(), boxes: Vec::new() }
-    }
 }
 
 impl<T: Scalar> BroadPhase<T> {

@@ -4,58 +4,28 @@ use std::fmt;
 
 /// Why a scene refused something. Nothing was changed.
 #[derive(Debug)]
+#[expect(missing_docs, reason = "a field's name says what it is")]
 pub enum SceneError {
     /// There is no body of this number.
-    UnknownBody {
-        /// The number.
-        body: u32,
-    },
+    UnknownBody { body: u32 },
     /// A pair of bodies was asked for, and one was named twice.
-    SameBody {
-        /// Its number.
-        body: u32,
-    },
+    SameBody { body: u32 },
     /// Another body has this key.
-    KeyTaken {
-        /// The key.
-        key: u64,
-    },
+    KeyTaken { key: u64 },
     /// A pair cannot remember what was given for it.
-    PairMemory {
-        /// Its bodies' numbers.
-        pair: [u32; 2],
-    },
+    PairMemory { pair: [u32; 2] },
     /// A step's length is negative or not finite.
-    StepLength {
-        /// The seconds given.
-        seconds: f64,
-    },
+    StepLength { seconds: f64 },
     /// The numbers given for a body's pose are none.
-    Pose {
-        /// The body's number.
-        body: u32,
-        /// Why.
-        source: PoseError,
-    },
+    Pose { body: u32, source: PoseError },
     /// A pose moves a body beyond the largest number of the scene's precision.
-    PoseBeyondRange {
-        /// The body's number.
-        body: u32,
-    },
-    /// Contacts are not those of where the bodies are.
-    ContactsOutdated {
-        /// The number of one that has moved since, or is another.
-        body: u32,
-    },
+    PoseBeyondRange { body: u32 },
+    /// Contacts are not those of where this body is: it has moved since, or is another.
+    ContactsOutdated { body: u32 },
     /// Saved bytes are not what was saved.
     SavedState(BytesError),
-    /// The system gave no threads.
-    ThreadsNotStarted {
-        /// How many were wanted.
-        threads: usize,
-        /// Why.
-        source: rayon::ThreadPoolBuildError,
-    },
+    /// The system did not give so many threads.
+    ThreadsNotStarted { threads: usize, source: rayon::ThreadPoolBuildError },
 }
 
 impl fmt::Display for SceneError {

@@ -18,9 +18,6 @@ pub struct Sharing {
 
 impl<T: Scalar> Scene<T> {
     /// Sets how a body is shared with other scenes, from the next query on. A new body is not shared.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
     pub fn share(&mut self, body: u32, sharing: Sharing) -> Result<(), SceneError> {
         let shared = self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?;
         shared.own.take_if(|_| sharing.is_foreign);

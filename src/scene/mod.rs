@@ -33,8 +33,9 @@ use std::sync::Arc;
 
 /// Bodies, and what is needed to find all contacts among them.
 ///
-/// The contacts and their order do not depend on the number of threads.
-#[derive(Debug)]
+/// The contacts and their order do not depend on the number of threads. A call for a body that the scene does not have gives
+/// [`SceneError::UnknownBody`], and one for a pair of a body and itself [`SceneError::SameBody`].
+#[derive(Debug, Default)]
 pub struct Scene<T: Scalar> {
     bodies: Bodies<T>,
     broad_phase: BroadPhase<T>,
@@ -61,26 +62,13 @@ impl<T: Scalar> Scene<T> {
     /// [`SceneError::ThreadsNotStarted`].
     pub fn new(threads: usize) -> Result<Self, SceneError> {
         let started = Threads::new(threads);
-        Ok(Self::working_with(started.map_err(|source| SceneError::ThreadsNotStarted { threads, source })?))
+        let threads = started.map_err(|source| SceneError::ThreadsNotStarted { threads, source })?;
+        Ok(Self { threads, ..Self::default() })
     }
 
     /// An empty scene with default options that works on the host's threads.
     pub fn with_host_threads(host: Arc<dyn ParallelFor>) -> Self {
-        Self::working_with(Threads::of_host(host))
-    }
-
-    fn working_with(threads: Threads) -> Self {
-        Self {
-            bodies: Bodies::default(),
-            broad_phase: BroadPhase::default(),
-            pair_contacts: Vec::new(),
-            pair_costs: Vec::new(),
-            lists: Vec::new(),
-            pairs: Pairs::default(),
-            options: DetectionOptions::default(),
-            threads,
-            autotuner: autotuner::Autotuner::default(),
-        }
+        Self { threads: Threads::of_host(host), ..Self::default() }
     }
 
     /// Works with these threads from here on, and puts its former ones in their place.
@@ -121,9 +109,6 @@ impl<T: Scalar> Scene<T> {
 
     /// Removes a body. Its number is refused from here on ([`SceneError::UnknownBody`]), and no other body gets it before
     /// [`release_body_numbers`](Self::release_body_numbers).
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
     pub fn remove(&mut self, body: u32) -> Result<Mesh<T>, SceneError> {
         self.pairs.forget(body);
         let removed = self.bodies.remove(body).ok_or(SceneError::UnknownBody { body })?;
@@ -141,9 +126,6 @@ impl<T: Scalar> Scene<T> {
     }
 
     /// A body's mesh.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
     pub fn mesh(&self, body: u32) -> Result<&Mesh<T>, SceneError> {
         self.bodies.get(body).map(|body| body.surface.mesh()).ok_or(SceneError::UnknownBody { body })
     }
@@ -154,9 +136,6 @@ impl<T: Scalar> Scene<T> {
     }
 
     /// A body's mesh, to renew its positions.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
     pub fn mesh_mut(&mut self, body: u32) -> Result<&mut Mesh<T>, SceneError> {
         self.bodies.get_mut(body).map(|body| body.surface.mesh_mut()).ok_or(SceneError::UnknownBody { body })
     }
@@ -169,9 +148,6 @@ impl<T: Scalar> Scene<T> {
     /// Lets two bodies escape from one another, as they may by default, or forbids it: a press fit, a body meant to stay
     /// inside another. An escape that is under way ends. It holds until it is set otherwise or one of the bodies is removed;
     /// it is no part of what [`save_pair_memories`](Self::save_pair_memories) saves.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`].
     pub fn allow_escape(&mut self, a: u32, b: u32, allowed: bool) -> Result<(), SceneError> {
         let pair = self.known_pair(a, b)?;
         self.pairs.allow_escape(pair, allowed);
@@ -179,9 +155,6 @@ impl<T: Scalar> Scene<T> {
     }
 
     /// Whether two bodies may escape from one another.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`].
     pub fn may_escape(&self, a: u32, b: u32) -> Result<bool, SceneError> {
         let pair = self.known_pair(a, b)?;
         Ok(self.pairs.without_escape.binary_search(&pair).is_err())
@@ -262,9 +235,6 @@ impl<T: Scalar> Scene<T> {
 
     /// Switches contacts between two bodies off or on again from the next query on: collision groups, parts of one machine.
     /// On for new bodies. While it is off, the pair is not looked at, and what it remembered is forgotten.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`], [`SceneError::SameBody`].
     pub fn set_pair_collision(&mut self, a: u32, b: u32, is_on: bool) -> Result<(), SceneError> {
         let pair = self.known_pair(a, b)?;
         if is_on {
@@ -288,9 +258,6 @@ impl<T: Scalar> Scene<T> {
 
     /// Switches contacts of a body with itself on or off from the next query on; off for a new body. Where it is on,
     /// contacts with other bodies are also found past the body's own folds ([`DetectionOptions::past_folds`]).
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
     pub fn set_self_collision(&mut self, body: u32, is_on: bool) -> Result<(), SceneError> {
         let Body { own, surface, .. } = self.bodies.get_mut(body).ok_or(SceneError::UnknownBody { body })?;
         match (is_on, own.is_some()) {
@@ -315,18 +282,12 @@ impl<T: Scalar> Scene<T> {
 
     /// Whether a body may overlap itself, as the newest query or [`find_self_contacts`](Self::find_self_contacts) found;
     /// never one whose self-collision is off.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
     pub fn overlaps_itself(&self, body: u32) -> Result<bool, SceneError> {
         self.bodies.get(body).map(Body::may_overlap_itself).ok_or(SceneError::UnknownBody { body })
     }
 
     /// What the newest query took for a body, in rays: those of its contacts with itself, half of those of its pairs, and all of
     /// those of its pairs with [foreign](Self::is_foreign) bodies. Fifty triangles that are read count as a ray.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
     pub fn body_cost(&self, body: u32) -> Result<f64, SceneError> {
         self.bodies.get(body).map(|body| body.cost).ok_or(SceneError::UnknownBody { body })
     }

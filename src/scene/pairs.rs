@@ -12,19 +12,13 @@ pub(super) fn by_number([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 /// What is known of pairs from step to step.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Pairs<T: Scalar> {
     pub(super) history: History<T>,
     /// The pairs that may not escape, overlapping or not: by number, in ascending order.
     pub(super) without_escape: Vec<[u32; 2]>,
     /// The pairs that do not collide: by number, in no order, as there may be very many.
     pub(super) ignored: HashSet<[u32; 2]>,
-}
-
-impl<T: Scalar> Default for Pairs<T> {
-    fn default() -> Self {
-        Self { history: History::default(), without_escape: Vec::new(), ignored: HashSet::new() }
-    }
 }
 
 impl<T: Scalar> Pairs<T> {
@@ -52,7 +46,7 @@ impl<T: Scalar> Pairs<T> {
 
 /// What the overlapping pairs remember. All queries of a step start from `before`, as the last step left it; `after` is what the
 /// newest query would leave to the next step. Both are in the order of the bodies, which stays while other bodies come and go.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct History<T: Scalar> {
     pub(super) before: Vec<Remembered<T>>,
     pub(super) after: Vec<Remembered<T>>,
@@ -70,19 +64,6 @@ pub(super) struct History<T: Scalar> {
 const WHOLE_STEP: f64 = 1.0 / 60.0;
 /// This much of a step counts as a whole one: parts that add up to a step but for rounding, or a frame at 62.5 Hz.
 const NEARLY_WHOLE: f64 = 0.95;
-
-impl<T: Scalar> Default for History<T> {
-    fn default() -> Self {
-        Self {
-            before: Vec::new(),
-            after: Vec::new(),
-            is_queried: false,
-            queried_at: 0,
-            is_advanced: false,
-            passed: 0.0,
-        }
-    }
-}
 
 impl<T: Scalar> History<T> {
     /// What pairs remember as of the newest query, or else of the last step.

@@ -1,82 +1,6 @@
 use crate::math::{Aabb, Scalar, Vector3};
 use crate::memory;
 use crate::mesh::Mesh;
-use crate::query::{Octree, Tree};
-use crate::self_contact::certificate::NearTiles;
-use crate::self_contact::certificate::reach::{Lapse, Reach};
-
-/// Which tiles of a mesh are near each other, and by how much they may come nearer; kept by the caller, so that a steady
-/// step allocates nothing.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct NearPairs<T: Scalar> {
-    tiles: NearTiles<T>,
-    /// For the layout without tiles: the triangles' boxes in the order of their lower sides along one axis.
-    sorted: Vec<(Aabb<T>, u32)>,
-}
-
-impl<T: Scalar> Octree<T> {
-    /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others, and whether both
-    /// are steep. `offer` gives how much nearer they may come, or `None` to end the search. Triangles of which two corners
-    /// are one point are left out: no ray meets them. Gives false where `offer` ended the search or there were too many pairs.
-    ///
-    /// A triangle is steep if a triangle near it faces more than 60° away from it. With a margin, two triangles that are not both
-    /// steep are *sheltered*: they are offered only where they nearly touch. The surface around them is a graph of slopes below
-    /// 60° over a plane, so a path leads from one to the other that is at most twice as long as they are apart. They come no
-    /// nearer than a quarter of their distance while no triangle on the path is strained by more than three eighths, and
-    /// [`find_lapsed`](Self::find_lapsed) holds triangles to less.
-    pub(crate) fn search_near(
-        &self,
-        mesh: &Mesh<T>,
-        reach: &Reach<T>,
-        near: &mut NearPairs<T>,
-        mut offer: impl FnMut(u32, u32, bool) -> Option<T>,
-    ) -> bool {
-        match &self.tree {
-            Tree::Bvh(tree) => tree.search_near(mesh, reach, &mut near.tiles, &mut offer),
-            Tree::PaperOctree(_) => sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b, true).is_some()),
-        }
-    }
-
-    /// Keeps the positions of a search. `allowed`: by vertex how far the triangles around it may be strained.
-    pub(crate) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearPairs<T>) {
-        if let Tree::Bvh(tree) = &self.tree {
-            tree.keep(mesh, allowed, &mut near.tiles);
-        }
-    }
-
-    /// Finds the pairs of tiles listed by [`search_near`](Self::search_near) that have *lapsed*: that have come nearer by more
-    /// than they may since positions were kept, or lie where triangles are strained by more than they may be. Finds none, and
-    /// says that all have lapsed, where vertices have moved against each other by more than `most`. A turn of the whole does not
-    /// count. The octree need not follow the mesh.
-    pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearPairs<T>) -> Lapse<T> {
-        match &self.tree {
-            Tree::Bvh(tree) => tree.find_lapsed(mesh, most, &mut near.tiles),
-            Tree::PaperOctree(_) => Lapse::unknown(),
-        }
-    }
-
-    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be: they may touch others
-    /// around a common vertex.
-    pub(crate) fn strained<'a>(&'a self, near: &'a NearPairs<T>) -> impl Iterator<Item = u32> + 'a {
-        let tree = if let Tree::Bvh(tree) = &self.tree { Some(tree) } else { None };
-        tree.into_iter().flat_map(|tree| tree.strained(&near.tiles))
-    }
-
-    /// Offers, from the pairs that [`find_lapsed`](Self::find_lapsed) has found, each two triangles that have no vertex in common
-    /// and whose boxes are at most `distance` apart along every axis, until `offer` gives false. The octree need not follow the
-    /// mesh.
-    pub(crate) fn search_lapsed(
-        &self,
-        mesh: &Mesh<T>,
-        distance: T,
-        near: &mut NearPairs<T>,
-        mut offer: impl FnMut(u32, u32) -> bool,
-    ) {
-        if let Tree::Bvh(tree) = &self.tree {
-            tree.search_lapsed(mesh, self.stamp == mesh.stamp(), distance, &mut near.tiles, &mut offer);
-        }
-    }
-}
 
 /// Whether two corners of a triangle are one point: no ray meets it, and it casts none.
 pub(crate) fn is_merged<T: Scalar>([a, b, c]: &[Vector3<T>; 3]) -> bool {
@@ -85,7 +9,7 @@ pub(crate) fn is_merged<T: Scalar>([a, b, c]: &[Vector3<T>; 3]) -> bool {
 
 /// Offers each two triangles that have no vertex in common and whose boxes are at most `distance` apart along every axis, by
 /// boxes sorted along the mesh's longest axis. Ends with false where `offer` gives false.
-fn sweep<T: Scalar>(
+pub(crate) fn sweep<T: Scalar>(
     mesh: &Mesh<T>,
     distance: T,
     sorted: &mut Vec<(Aabb<T>, u32)>,
@@ -121,7 +45,9 @@ fn sweep<T: Scalar>(
 mod tests {
     use super::*;
     use crate::mesh::test_mesh::torus;
-    use crate::query::Layout;
+    use crate::query::{Layout, Octree};
+    use crate::self_contact::certificate::NearTiles;
+    use crate::self_contact::certificate::reach::Reach;
     use std::collections::BTreeSet;
 
     /// How far apart the boxes of two triangles are along the axis that parts them most.
@@ -178,7 +104,7 @@ mod tests {
             (Layout::Bvh, 0.001, 0.06),
             (Layout::Bvh, 3.0, 0.0),
         ] {
-            let (octree, mut near) = (Octree::with_layout(&mesh, layout), NearPairs::default());
+            let (octree, mut near) = (Octree::with_layout(&mesh, layout), NearTiles::default());
             // What lies in the same part, or in one that is listed, is offered by its own distance.
             let reach = Reach { touch, margin, tile_margin: margin, most_pairs: usize::MAX };
             let offered = collect(|offer| {
@@ -211,7 +137,7 @@ mod tests {
                 rest[vertex].component_mul(&Vector3::new(1.0, 1.0, height)).add_scalar(by)
             };
             mesh.set_positions_with(rest.len(), |vertex| at(vertex, 0.0, 0.3)).expect("finite");
-            let (mut octree, mut near) = (Octree::new(&mesh), NearPairs::default());
+            let (mut octree, mut near) = (Octree::new(&mesh), NearTiles::default());
             let (boxes, known) = (boxes(&mesh), pairs_within(&mesh, touch));
             let reach = Reach { touch, margin, tile_margin, most_pairs: usize::MAX };
             octree.search_near(&mesh, &reach, &mut near, |a, b, _| Some(gap(&boxes, [a as usize, b as usize]) - touch));

@@ -8,9 +8,9 @@ use crate::math::{Aabb, Scalar, Vector3, margins};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
 use crate::query::Octree;
+use crate::self_contact::certificate::NearTiles;
 use crate::self_contact::certificate::reach::Reach;
 use crate::self_contact::fans::{Facet, altitude_of_fan, least_altitude, strain_of_fan};
-use crate::self_contact::near_triangles::NearPairs;
 use crate::self_contact::nearness::{projected_gap, rounding, separation, touch_distance};
 use crate::self_contact::tangled::{Limits, MOST_PAIRS_OF_TILES, is_tangled};
 
@@ -31,7 +31,7 @@ pub(crate) struct Touching<T: Scalar> {
     facets: Vec<Facet<T>>,
     /// By vertex: how far the triangles around it may be strained, as a part of their size, before they may touch.
     pub(crate) strains: Vec<T>,
-    near: NearPairs<T>,
+    near: NearTiles<T>,
     /// Pairs of triangles held against each other.
     #[cfg(test)]
     pub(crate) tried: u64,
@@ -125,7 +125,7 @@ impl<T: Scalar> Touching<T> {
         octree: &Octree<T>,
         mesh: &Mesh<T>,
         reach: &Reach<T>,
-        near: &mut NearPairs<T>,
+        near: &mut NearTiles<T>,
     ) {
         let Reach { touch, margin, .. } = *reach;
         let (most_touching, most_close) = (self.limits.touching, self.limits.close(self.folds));
@@ -163,7 +163,7 @@ impl<T: Scalar> Touching<T> {
     }
 
     /// Whether any triangles touch in pairs of tiles that have lapsed, or around a vertex of a strained triangle.
-    pub(crate) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearPairs<T>) -> bool {
+    pub(crate) fn any_lapsed_touch(octree: &Octree<T>, mesh: &Mesh<T>, near: &mut NearTiles<T>) -> bool {
         let (touch, least_allowed) = (touch_distance(mesh), least_altitude(mesh));
         let folds = |vertex: u32| {
             altitude_of_fan(mesh, vertex, |triangle| Facet::new(&mesh.corners(triangle))).0 < least_allowed

@@ -5,8 +5,8 @@ use crate::math::{Scalar, Vector3};
 use crate::memory;
 use crate::mesh::Mesh;
 use crate::query::Octree;
+use crate::self_contact::certificate::NearTiles;
 use crate::self_contact::certificate::reach::{Lapse, Reach};
-use crate::self_contact::near_triangles::NearPairs;
 use crate::self_contact::nearness::rounding;
 use crate::self_contact::tangled::is_tangled;
 use crate::self_contact::touching::Touching;
@@ -20,7 +20,7 @@ pub(crate) struct SelfWarmStart<T: Scalar> {
     /// By vertex how far the triangles around it may be strained, as a part of their size.
     strains: Vec<T>,
     /// Which tiles are near each other, and how far these may move. Triangles do not touch while nothing of it has lapsed.
-    near: NearPairs<T>,
+    near: NearTiles<T>,
     /// By how much any two vertices may move against each other until tiles may touch that are not near. Negative where that is
     /// not known.
     allowed: T,
@@ -52,7 +52,7 @@ impl<T: Scalar> Default for SelfWarmStart<T> {
         Self {
             fans: Certificate::default(),
             strains: Vec::new(),
-            near: NearPairs::default(),
+            near: NearTiles::default(),
             allowed: -T::one(),
             rounding: T::zero(),
             is_valid: false,

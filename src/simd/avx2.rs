@@ -36,8 +36,8 @@ impl Lanes<f32> for SinglesAvx2 {
     );
 
     comparisons!(
-        [0, 1], 8; _mm256_set1_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_min_ps, _mm256_max_ps, less_ps, at_most_ps,
-        _mm256_blendv_ps, _mm256_movemask_ps
+        [0, 1], 8; _mm256_set1_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_min_ps, _mm256_max_ps,
+        _mm256_cmp_ps::<_CMP_LT_OQ>, _mm256_cmp_ps::<_CMP_LE_OQ>, _mm256_blendv_ps, _mm256_movemask_ps
     );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -145,8 +145,8 @@ impl Lanes<f64> for DoublesAvx2 {
     );
 
     comparisons!(
-        [0, 1, 2, 3], 4; _mm256_set1_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_min_pd, _mm256_max_pd, less_pd,
-        at_most_pd, _mm256_blendv_pd, _mm256_movemask_pd
+        [0, 1, 2, 3], 4; _mm256_set1_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_min_pd, _mm256_max_pd,
+        _mm256_cmp_pd::<_CMP_LT_OQ>, _mm256_cmp_pd::<_CMP_LE_OQ>, _mm256_blendv_pd, _mm256_movemask_pd
     );
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -242,28 +242,4 @@ impl DoublesAvx2 {
             [_mm256_unpacklo_pd(first, second), _mm256_unpackhi_pd(first, second)]
         }
     }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-unsafe fn less_ps(a: __m256, b: __m256) -> __m256 {
-    // SAFETY: the caller runs this where there is AVX2.
-    unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(a, b) }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-unsafe fn at_most_ps(a: __m256, b: __m256) -> __m256 {
-    // SAFETY: the caller runs this where there is AVX2.
-    unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(a, b) }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-unsafe fn less_pd(a: __m256d, b: __m256d) -> __m256d {
-    // SAFETY: the caller runs this where there is AVX2.
-    unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(a, b) }
-}
-
-#[cfg_attr(not(debug_assertions), inline(always))]
-unsafe fn at_most_pd(a: __m256d, b: __m256d) -> __m256d {
-    // SAFETY: the caller runs this where there is AVX2.
-    unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(a, b) }
 }

@@ -3,9 +3,6 @@
 //! Every operation is that of IEEE 754 on each lane by itself, so that all paths, and the same arithmetic on single
 //! numbers, give the same bits.
 
-// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]

@@ -67,8 +67,8 @@ macro_rules! arithmetic {
 /// lays points out to be looked up, and `at`, which looks up as many as a register holds.
 macro_rules! comparisons {
     (
-        [$($i:literal),*], $width:literal; $splat:ident, $sub:ident, $mul:ident, $min:ident, $max:ident, $less:ident,
-        $at_most:ident, $blend:ident, $bits:ident
+        [$($i:literal),*], $width:literal; $splat:ident, $sub:ident, $mul:ident, $min:ident, $max:ident, $less:expr,
+        $at_most:expr, $blend:ident, $bits:ident
     ) => {
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn is_less(self, other: Self) -> Mask {

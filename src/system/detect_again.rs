@@ -16,8 +16,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// the smallest depth cap, nothing is done.
     ///
     /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::Mesh`],
-    /// [`SystemError::TooStiff`], which cancels the step.
+    /// [`SystemError::Mesh`], and [`SystemError::TooStiff`], which cancels the step.
     pub fn detect_again(&mut self, scene: &mut Scene<T>, velocities: &[f64]) -> Result<bool, SystemError> {
         let step = self.check_velocities(velocities)?;
         self.check_bodies(scene)?;
@@ -39,14 +38,11 @@ impl<T: Scalar> ContactSystem<T> {
     /// of the step: the largest square of a difference of velocities in m²/s², of nodes and of rigid bodies' centres. Where
     /// it is more than the square of the smallest depth cap over dt, [`detect_again`](Self::detect_again) looks again. Zero
     /// for a system that looks where bodies are at the start.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn off_course(&mut self, scene: &Scene<T>, velocities: &[f64]) -> Result<[f64; 2], SystemError> {
         let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
         let mut squares = [0.0; 2];
-        if !self.looks_ahead {
+        if self.looks_at_start {
             return Ok(squares);
         }
         let Self { bodies, buffers, rows, .. } = self;

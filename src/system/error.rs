@@ -4,112 +4,40 @@ use std::fmt;
 
 /// Why a contact system refused something. Nothing was changed.
 #[derive(Debug)]
+#[expect(missing_docs, reason = "a field's name says what it is")]
 pub enum SystemError {
     /// The scene has no body of this number.
-    NotInScene {
-        /// The number.
-        body: u32,
-    },
+    NotInScene { body: u32 },
     /// The system has no body of this number, or none of the kind that was asked for.
-    UnknownBody {
-        /// The number.
-        body: u32,
-    },
+    UnknownBody { body: u32 },
     /// The system has a body of this number already.
-    BodyTwice {
-        /// The number.
-        body: u32,
-    },
+    BodyTwice { body: u32 },
     /// An array has another length than is needed.
-    WrongCount {
-        /// Which.
-        what: &'static str,
-        /// Its length.
-        given: usize,
-        /// The length needed.
-        expected: usize,
-    },
-    /// A number is NaN or infinite.
-    NotFinite {
-        /// Of which array.
-        what: &'static str,
-        /// Where in it.
-        index: usize,
-        /// The number.
-        value: f64,
-    },
-    /// A number is larger than what forces and energies can be computed of.
-    BeyondRange {
-        /// Of which array.
-        what: &'static str,
-        /// Where in it.
-        index: usize,
-        /// The number.
-        value: f64,
-        /// The largest size it may have.
-        most: f64,
-    },
+    WrongCount { what: &'static str, given: usize, expected: usize },
+    /// A number of an array is NaN or infinite.
+    NotFinite { what: &'static str, index: usize, value: f64 },
+    /// A number of an array is larger than `most`, up to which forces and energies can be computed.
+    BeyondRange { what: &'static str, index: usize, value: f64, most: f64 },
     /// A step's length is not finite and > 0, or out of range.
-    StepLength {
-        /// The seconds given.
-        seconds: f64,
-    },
-    /// A mass is not > 0, or out of range.
-    Mass {
-        /// Of which node, or `None` for a rigid body's.
-        node: Option<usize>,
-        /// The mass.
-        value: f64,
-    },
+    StepLength { seconds: f64 },
+    /// A node's mass, or without a node a rigid body's, is not > 0, or out of range.
+    Mass { node: Option<usize>, value: f64 },
     /// An inertia is not symmetric and positive definite.
     Inertia,
     /// A rotation is no rotation matrix.
-    Rotation {
-        /// The body.
-        body: u32,
-    },
+    Rotation { body: u32 },
     /// A material's number is out of its range.
-    Material {
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        range: &'static str,
-    },
+    Material { what: &'static str, value: f64, range: &'static str },
     /// The weights of a surface vertex do not sum to one.
-    WeightSum {
-        /// The vertex.
-        vertex: usize,
-        /// Their sum.
-        sum: f64,
-    },
-    /// A surface vertex names a node that does not exist.
-    NodeRange {
-        /// The vertex.
-        vertex: usize,
-        /// The node.
-        node: u32,
-        /// How many nodes there are.
-        count: usize,
-    },
-    /// The offsets of a table of weights do not rise from 0 to its length.
-    Offsets {
-        /// The vertex whose part is wrong.
-        vertex: usize,
-    },
-    /// There is no half-space of this number.
-    UnknownHalfSpace {
-        /// The number.
-        half_space: u32,
-        /// How many there are.
-        count: usize,
-    },
+    WeightSum { vertex: usize, sum: f64 },
+    /// A surface vertex names a node that does not exist, as there are only `count`.
+    NodeRange { vertex: usize, node: u32, count: usize },
+    /// The offsets of a table of weights do not rise from 0 to its length; they are wrong at this vertex.
+    Offsets { vertex: usize },
+    /// There is no half-space of this number, but `count` others.
+    UnknownHalfSpace { half_space: u32, count: usize },
     /// A half-space's normal is no unit vector.
-    Normal {
-        /// Its length.
-        length: f64,
-    },
+    Normal { length: f64 },
     /// A step has to be begun first.
     NoStep,
     /// A step has been begun and not finished.
@@ -118,30 +46,14 @@ pub enum SystemError {
     Eliminated,
     /// A matrix in compressed rows has more numbers or rows than 32-bit indices reach.
     MatrixSize,
-    /// Eliminated, a rigid body would lose its mass to rounding beside the stiffness of its contacts.
-    TooStiff {
-        /// The body.
-        body: u32,
-        /// The length of the step.
-        dt: f64,
-    },
+    /// Eliminated, a rigid body would lose its mass to rounding beside the stiffness of its contacts, in steps of this length.
+    TooStiff { body: u32, dt: f64 },
     /// No pair of this body and the other remembers anything.
-    NotRemembered {
-        /// The first body.
-        body: u32,
-    },
-    /// Bytes are not what a pair of these bodies remembered.
-    Memory {
-        /// How many there are.
-        length: usize,
-    },
+    NotRemembered { body: u32 },
+    /// Bytes, so many in length, are not what a pair of these bodies remembered.
+    Memory { length: usize },
     /// A mesh refused the positions that its body would have.
-    Mesh {
-        /// The body.
-        body: u32,
-        /// Why.
-        source: MeshError,
-    },
+    Mesh { body: u32, source: MeshError },
 }
 
 impl fmt::Display for SystemError {

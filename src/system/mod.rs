@@ -84,10 +84,15 @@ pub enum RigidUnknowns {
 ///
 /// Its rows stay as they are until [`linearise`](Self::linearise) or [`detect_again`](Self::detect_again). A steady step
 /// allocates nothing.
-#[derive(Debug)]
+///
+/// Each call refuses what is wrong with an error of its own. Some are not listed again at each: [`SystemError::UnknownBody`] for
+/// a body that the system does not have; [`SystemError::StepUnderWay`] for what must come outside a step;
+/// [`SystemError::NoStep`] for what must come within one; [`SystemError::WrongCount`] and [`SystemError::NotFinite`] for arrays.
+#[derive(Debug, Default)]
 pub struct ContactSystem<T: Scalar> {
     rigid_unknowns: RigidUnknowns,
-    pub(crate) looks_ahead: bool,
+    /// Whether it looks for contacts where bodies are at the start of a step, and not where they will be.
+    pub(crate) looks_at_start: bool,
     weighting: Weighting,
     pub(crate) node_masses: Vec<f64>,
     /// In ascending order of their numbers.
@@ -110,32 +115,14 @@ pub struct ContactSystem<T: Scalar> {
 impl<T: Scalar> ContactSystem<T> {
     /// A system without bodies.
     pub fn new(rigid_unknowns: RigidUnknowns) -> Self {
-        Self {
-            rigid_unknowns,
-            looks_ahead: true,
-            weighting: Weighting::Area,
-            node_masses: Vec::new(),
-            bodies: Vec::new(),
-            rigid_count: 0,
-            half_spaces: Vec::new(),
-            pair_materials: Vec::new(),
-            contacts: ContactList::default(),
-            trial: ContactList::default(),
-            rows: Rows::default(),
-            compressed: Compressed::default(),
-            anchors: Anchors::default(),
-            loads: PairLoads::default(),
-            step: None,
-            buffers: Buffers::default(),
-            below: Below::default(),
-        }
+        Self { rigid_unknowns, ..Self::default() }
     }
 
     /// Detects contacts where bodies are at the start of a step, not where they will be, so bodies that meet within a step have
     /// none yet.
     #[must_use]
     pub fn looking_at_the_start(mut self) -> Self {
-        self.looks_ahead = false;
+        self.looks_at_start = true;
         self
     }
 
@@ -151,7 +138,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// be more than before, for foreign bodies that join it, and all other bodies' nodes keep their masses.
     ///
     /// # Errors
-    /// [`SystemError::Mass`], [`SystemError::StepUnderWay`], [`SystemError::WrongCount`] where a body's nodes lie beyond.
+    /// [`SystemError::Mass`], [`SystemError::WrongCount`] where a body's nodes lie beyond.
     pub fn set_node_masses(&mut self, masses: &[f64]) -> Result<(), SystemError> {
         self.check_only_joined_change(masses)?;
         let is_mass = |mass: f64| is_mass(mass) || mass == f64::INFINITY;
@@ -175,9 +162,6 @@ impl<T: Scalar> ContactSystem<T> {
     /// Adds a deformable body: number `body` of the scene, with the host's nodes `nodes`, which carry its surface as
     /// `carriers` says. The masses of the nodes are to be set before. Within a step only
     /// [foreign](Scene::is_foreign) bodies may be added, of this kind or another, which join it.
-    ///
-    /// # Errors
-    /// [`SystemError`] of its own for each number that is wrong.
     pub fn add_deformable(
         &mut self,
         scene: &Scene<T>,
@@ -201,9 +185,6 @@ impl<T: Scalar> ContactSystem<T> {
     /// Adds a rigid body: number `body` of the scene, whose mesh was created in the body's own coordinates, with the centre
     /// of mass at the origin. `mass` in kg, `inertia` in kg m² about that point in those coordinates. It is at the origin
     /// until [`set_motion`](Self::set_motion).
-    ///
-    /// # Errors
-    /// [`SystemError`] of its own for each number that is wrong.
     pub fn add_rigid(
         &mut self,
         scene: &Scene<T>,
@@ -234,9 +215,6 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Adds a body that stands still or that the host moves: number `body` of the scene, whose mesh was created in the body's
     /// own coordinates. It is where those say until [`set_motion`](Self::set_motion).
-    ///
-    /// # Errors
-    /// [`SystemError`] of its own for each number that is wrong.
     pub fn add_moved(&mut self, scene: &Scene<T>, body: u32, material: Material) -> Result<(), SystemError> {
         let (index, mesh) = self.check_new(scene, body, &material)?;
         let mover = Mover::Host(RigidSurface::new(mesh));
@@ -248,8 +226,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// vertices below the plane bear the pressure.
     ///
     /// # Errors
-    /// [`SystemError::Normal`] where the normal is no unit vector, [`SystemError::NotFinite`], [`SystemError::Material`],
-    /// [`SystemError::StepUnderWay`].
+    /// [`SystemError::Normal`] where the normal is no unit vector, [`SystemError::Material`].
     pub fn add_half_space(&mut self, normal: [f64; 3], offset: f64, material: Material) -> Result<u32, SystemError> {
         self.check_no_step()?;
         check_range("normal", &normal)?;
@@ -265,9 +242,6 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// Removes a body; the scene's is untouched. Rigid bodies added after it move up by one, and the removal of one
     /// forgets the velocities of the last step.
-    ///
-    /// # Errors
-    /// [`SystemError::UnknownBody`], [`SystemError::StepUnderWay`].
     pub fn remove(&mut self, body: u32) -> Result<(), SystemError> {
         self.check_no_step()?;
         let index = self.index_of(body)?;
@@ -292,8 +266,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// joined it.
     ///
     /// # Errors
-    /// [`SystemError::UnknownBody`] also for a deformable body; [`SystemError::NotFinite`], [`SystemError::Rotation`],
-    /// [`SystemError::StepUnderWay`].
+    /// [`SystemError::UnknownBody`] also for a deformable body; [`SystemError::Rotation`].
     pub fn set_motion(&mut self, body: u32, motion: &Motion) -> Result<(), SystemError> {
         self.check_joined(&[body])?;
         let index = self.index_of(body)?;
@@ -308,8 +281,8 @@ impl<T: Scalar> ContactSystem<T> {
     /// joints let it go. The contacts' explicit steps take no notice. Before each step in which it has changed.
     ///
     /// # Errors
-    /// [`SystemError::UnknownBody`] where it is no rigid body; [`SystemError::NotFinite`]; [`SystemError::Inertia`] where the
-    /// matrix is not symmetric, or its sum with the body's own not positive definite; [`SystemError::StepUnderWay`].
+    /// [`SystemError::UnknownBody`] where it is no rigid body; [`SystemError::Inertia`] where the matrix is not symmetric, or its
+    /// sum with the body's own not positive definite.
     pub fn set_added_inertia(&mut self, body: u32, added: [[f64; 6]; 6]) -> Result<(), SystemError> {
         self.check_joined(&[body])?;
         check_range("added", added.as_flattened())?;

@@ -9,9 +9,6 @@ impl<T: Scalar> ContactSystem<T> {
     /// Gives two bodies, or a body with itself, a material of their own in place of the
     /// [combined](Material::combined) one; `None` takes it back. Within a step one of them must have
     /// joined it.
-    ///
-    /// # Errors
-    /// [`SystemError::UnknownBody`], [`SystemError::Material`], [`SystemError::StepUnderWay`].
     pub fn set_pair_material(&mut self, a: u32, b: u32, material: Option<Material>) -> Result<(), SystemError> {
         self.check_joined(&[a, b])?;
         self.index_of(b)?;
@@ -19,10 +16,6 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// The same for a body and a half-space.
-    ///
-    /// # Errors
-    /// [`SystemError::UnknownBody`], [`SystemError::UnknownHalfSpace`], [`SystemError::Material`],
-    /// [`SystemError::StepUnderWay`].
     pub fn set_half_space_material(
         &mut self,
         body: u32,
@@ -54,9 +47,6 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// The net force in N with which `other` acted on a body in the last finished step; zero for a body and itself.
-    ///
-    /// # Errors
-    /// [`SystemError::UnknownBody`], [`SystemError::UnknownHalfSpace`].
     pub fn pair_force(&self, body: u32, other: Surface) -> Result<[f64; 3], SystemError> {
         self.index_of(body)?;
         match other {

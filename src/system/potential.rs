@@ -18,8 +18,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`rigid_velocity`](Self::rigid_velocity) has their answer until the step ends.
     ///
     /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::BeyondRange`] also where
-    /// `part` is not within 0 and 1, and those of [`begin`](Self::begin) for the scene.
+    /// [`SystemError::BeyondRange`] also where `part` is not within 0 and 1, and those of [`begin`](Self::begin) for the scene.
     pub fn potential(&mut self, scene: &mut Scene<T>, velocities: &[f64], part: f64) -> Result<f64, SystemError> {
         let step = self.check_velocities(velocities)?;
         super::check_range("part", &[part])?;

@@ -15,9 +15,6 @@ use crate::math::{Scalar, margins};
 impl<T: Scalar> ContactSystem<T> {
     /// Adds to `forces` the forces on the unknowns, in N (and N m), for these velocities at the end of the step, as last
     /// linearised.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn add_forces(&mut self, velocities: &[f64], forces: &mut [f64]) -> Result<(), SystemError> {
         let step = self.check_velocities(velocities)?;
         check_count("forces", forces.len(), step.unknowns)?;
@@ -31,9 +28,6 @@ impl<T: Scalar> ContactSystem<T> {
     /// Adds `factor` · (−∂force/∂velocity) · `change` to `result`, as last linearised: a product with a symmetric, positive
     /// semi-definite matrix. An implicit solve for velocities takes dt as `factor`; for displacements it is 1 / dt times as
     /// much. How the sums are rounded depends on how many products earlier solves asked for: the quicker way is taken.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn add_product(&mut self, factor: f64, change: &[f64], result: &mut [f64]) -> Result<(), SystemError> {
         let step = self.check_unknowns("change", change, margins::LARGEST_FACTOR)?;
         check_range("factor", &[factor])?;
@@ -82,9 +76,6 @@ impl<T: Scalar> ContactSystem<T> {
     /// The potential of the rows, as last linearised, in J: the forces are its negative gradient by the positions at the end of
     /// the step, velocity times dt. It is what springs store, ½ Σ coefficient · depth², if nothing damps or rubs; else with
     /// what dampers and friction take in the step, and with what eliminated rigid bodies take up.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn energy(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
@@ -127,11 +118,11 @@ impl<T: Scalar> ContactSystem<T> {
     pub(super) fn linearise_predicted(&mut self, Step { dt, .. }: Step) -> Result<(), SystemError> {
         let pairs = &mut self.loads.now;
         let free = Velocities { nodes: &self.buffers.ahead, twists: &self.buffers.free_twists };
-        if !self.looks_ahead {
+        if self.looks_at_start {
             self.rows.find_motions(free.nodes);
         }
         for index in 0..self.rows.rows.len() {
-            let looked_ahead = self.looks_ahead.then_some(self.rows.rows[index].ahead);
+            let looked_ahead = (!self.looks_at_start).then_some(self.rows.rows[index].ahead);
             let predicted = looked_ahead.unwrap_or_else(|| self.rows.slip_at(index, free.twists));
             let row = &mut self.rows.rows[index];
             let pair = &mut pairs[row.pair];
@@ -171,9 +162,6 @@ impl<T: Scalar> ContactSystem<T> {
 
     /// The fraction of the force, from 0 to 1, that would prove to be predicted wrongly at these velocities: what
     /// [`linearise`](Self::linearise) gives, but the rows stay as they are.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`].
     pub fn misjudged(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);

@@ -15,10 +15,9 @@ impl<T: Scalar> ContactSystem<T> {
     /// [`set_motion`](Self::set_motion).
     ///
     /// # Errors
-    /// [`SystemError::StepUnderWay`], [`SystemError::StepLength`], [`SystemError::WrongCount`], [`SystemError::NotFinite`],
-    /// [`SystemError::UnknownBody`] where the scene has a body that the system does not know, [`SystemError::NotInScene`]
-    /// where it is the other way round, [`SystemError::Mesh`] where a position is beyond the scene's precision,
-    /// [`SystemError::TooStiff`].
+    /// [`SystemError::StepLength`]; [`SystemError::UnknownBody`] where the scene has a body that the system does not know,
+    /// [`SystemError::NotInScene`] where it is the other way round; [`SystemError::Mesh`] where a position is beyond the scene's
+    /// precision; [`SystemError::TooStiff`].
     pub fn begin(
         &mut self,
         scene: &mut Scene<T>,
@@ -27,7 +26,7 @@ impl<T: Scalar> ContactSystem<T> {
         velocities: &[f64],
         free_velocities: &[f64],
     ) -> Result<(), SystemError> {
-        let ahead = if self.looks_ahead { dt } else { 0.0 };
+        let ahead = if self.looks_at_start { 0.0 } else { dt };
         let step = self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
         self.linearise_predicted(step)
     }
@@ -226,8 +225,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// another solve is due.
     ///
     /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`], [`SystemError::TooStiff`], which
-    /// cancels the step.
+    /// [`SystemError::TooStiff`], which cancels the step.
     pub fn linearise(&mut self, velocities: &[f64]) -> Result<f64, SystemError> {
         let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
@@ -235,10 +233,7 @@ impl<T: Scalar> ContactSystem<T> {
     }
 
     /// Ends a step whose velocities at the end are these. Loads and what friction holds on to are remembered for the next, and
-    /// [`rigid_velocity`](Self::rigid_velocity) gives rigid bodies' velocities.
-    ///
-    /// # Errors
-    /// [`SystemError::NoStep`], [`SystemError::WrongCount`], [`SystemError::NotFinite`]; the step is then still under way.
+    /// [`rigid_velocity`](Self::rigid_velocity) gives rigid bodies' velocities. After an error the step is still under way.
     pub fn finish(&mut self, velocities: &[f64]) -> Result<(), SystemError> {
         let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);

@@ -1,5 +1,4 @@
 //! Boxes as rays meet them.
-#![allow(clippy::needless_range_loop)] // an axis picks from several arrays at once
 
 use crate::bvh::node::Node;
 use crate::math::margins::{self, reaches_told_apart};

@@ -28,8 +28,7 @@ pub unsafe extern "C" fn rayc_contact_systems_begin(
     free_velocities: *const f64,
     statuses: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (systems, scenes) = (Pointers::new(systems, count, "systems")?, Pointers::new(scenes, count, "scenes")?);
         let positions = slice(positions, count * number_count, "positions")?;
         let velocities = slice(velocities, count * number_count, "velocities")?;
@@ -55,8 +54,7 @@ pub unsafe extern "C" fn rayc_contact_systems_detect_again(
     is_more: *mut u32,
     statuses: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (systems, scenes) = (Pointers::new(systems, count, "systems")?, Pointers::new(scenes, count, "scenes")?);
         let velocities = slice(velocities, count * number_count, "velocities")?;
         let places = slice(is_more.cast::<AtomicU32>(), count, "is_more")?;

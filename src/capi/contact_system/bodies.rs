@@ -21,8 +21,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_node_masses(
     count: usize,
     masses: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let masses = slice(masses, count, "masses")?;
         with_precision!(&mut system.system, |system| Ok(system.set_node_masses(masses)?))
@@ -67,11 +66,8 @@ impl rayc_material {
     /// # Safety
     /// `material` is NULL or points to as many readable bytes as it says.
     pub(super) unsafe fn read(material: *const Self) -> Result<Material, Failure> {
-        // SAFETY: the first field is the size; the rest by this function's contract.
-        let Self { stiffness, damping_time, friction, depth_cap, restitution, .. } = unsafe {
-            reference(material.cast::<usize>(), "material")?;
-            read_options(material)?
-        };
+        reference(material.cast::<usize>(), "material")?;
+        let Self { stiffness, damping_time, friction, depth_cap, restitution, .. } = read_options(material)?;
         Ok(Material { stiffness, damping_time, friction, depth_cap, restitution })
     }
 
@@ -99,8 +95,7 @@ pub unsafe extern "C" fn rayc_bearing_material(
     struct_size: usize,
     material: *mut rayc_material,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe {
+    guard(|| {
         let bearing = rayc_material::of(Material::bearing(pressure, depth)?, struct_size);
         write_options(struct_size, material, "material", bearing)
     })
@@ -120,8 +115,7 @@ pub unsafe extern "C" fn rayc_elastic_material(
     struct_size: usize,
     material: *mut rayc_material,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe {
+    guard(|| {
         let elastic = Material::elastic(youngs_modulus, poissons_ratio, element_edge)?;
         write_options(struct_size, material, "material", rayc_material::of(elastic, struct_size))
     })
@@ -167,19 +161,15 @@ pub unsafe extern "C" fn rayc_contact_system_add_deformable(
         let carriers = if offsets.is_null() && nodes.is_null() && weights.is_null() {
             Carriers::Nodes
         } else {
-            // SAFETY: by this function's contract.
-            unsafe {
-                Carriers::Weights {
-                    offsets: slice(offsets, vertices + 1, "offsets")?,
-                    nodes: slice(nodes, entries, "nodes")?,
-                    weights: slice(weights, entries, "weights")?,
-                }
+            Carriers::Weights {
+                offsets: slice(offsets, vertices + 1, "offsets")?,
+                nodes: slice(nodes, entries, "nodes")?,
+                weights: slice(weights, entries, "weights")?,
             }
         };
         Ok(system.add_deformable(scene, body, own, carriers, material)?)
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let scene = reading(scene, "scene")?;
         let material = rayc_material::read(material)?;
@@ -207,8 +197,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_rigid(
     inertia: *const f64,
     material: *const rayc_material,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let scene = reading(scene, "scene")?;
         let given = slice(inertia, 9, "inertia")?;
@@ -232,8 +221,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_moved(
     body: u32,
     material: *const rayc_material,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let scene = reading(scene, "scene")?;
         let material = rayc_material::read(material)?;
@@ -253,8 +241,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
     offset: f64,
     material: *const rayc_material,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let given = slice(normal, 3, "normal")?;
         let material = rayc_material::read(material)?;
@@ -270,8 +257,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_half_space(
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_OUT_OF_ORDER within a step.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_remove_body(system: *mut rayc_contact_system, body: u32) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { with_precision!(&mut changing(system, "system")?.system, |system| Ok(system.remove(body)?)) })
+    guard(|| with_precision!(&mut changing(system, "system")?.system, |system| Ok(system.remove(body)?)))
 }
 
 /// Gives two bodies, or a body with itself, a material of their own instead of the combined one. material: NULL
@@ -286,8 +272,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_pair_material(
     b: u32,
     material: *const rayc_material,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
         with_precision!(&mut system.system, |system| Ok(system.set_pair_material(a, b, material)?))
@@ -306,8 +291,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_half_space_material(
     half_space: u32,
     material: *const rayc_material,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let material = if material.is_null() { None } else { Some(rayc_material::read(material)?) };
         with_precision!(&mut system.system, |system| Ok(system.set_half_space_material(body, half_space, material)?))
@@ -339,8 +323,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_motion(
     body: u32,
     motion: *const rayc_motion,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let rayc_motion { position, rotation, velocity, free_velocity } = *reference(motion, "motion")?;
         let motion = Motion { position, rotation, velocity, free_velocity };
@@ -360,8 +343,7 @@ pub unsafe extern "C" fn rayc_contact_system_set_added_inertia(
     body: u32,
     added: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let given = if added.is_null() { &[0.0; 36] } else { slice(added, 36, "added")? };
         let added = std::array::from_fn(|row| std::array::from_fn(|column| given[6 * row + column]));
@@ -375,10 +357,8 @@ pub unsafe extern "C" fn rayc_contact_system_unknown_count(
     system: *const rayc_contact_system,
     count: *mut usize,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
-        Output::new(count, "count")?.write(with_precision!(&system.system, |system| system.unknown_count()));
-        Ok(())
+        Output::new(count, "count")?.write(with_precision!(&system.system, |system| system.unknown_count()))
     })
 }

@@ -17,8 +17,7 @@ pub unsafe extern "C" fn rayc_contact_system_begin_f32(
     velocities: *const f32,
     free_velocities: *const f32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { begin(system, scene, dt, count, [positions, velocities, free_velocities]) })
+    guard(|| begin(system, scene, dt, count, [positions, velocities, free_velocities]))
 }
 
 /// rayc_contact_system_add_forces() with floats. Each sum is rounded once; it is infinite where no float is as large.
@@ -29,8 +28,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces_f32(
     velocities: *const f32,
     forces: *mut f32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { add_forces(system, count, velocities, forces) })
+    guard(|| add_forces(system, count, velocities, forces))
 }
 
 /// rayc_contact_system_add_product() with floats, rounded as by rayc_contact_system_add_forces_f32().
@@ -42,8 +40,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product_f32(
     change: *const f32,
     result: *mut f32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { add_product(system, factor, count, change, result) })
+    guard(|| add_product(system, factor, count, change, result))
 }
 
 /// rayc_contact_system_energy() with floats.
@@ -54,8 +51,7 @@ pub unsafe extern "C" fn rayc_contact_system_energy_f32(
     velocities: *const f32,
     joules: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { number_at!(system, velocities, count, energy, joules) })
+    guard(|| number_at!(system, velocities, count, energy, joules))
 }
 
 /// rayc_contact_system_linearise() with floats.
@@ -66,8 +62,7 @@ pub unsafe extern "C" fn rayc_contact_system_linearise_f32(
     velocities: *const f32,
     wrong: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { number_at!(system, velocities, count, linearise, wrong) })
+    guard(|| number_at!(system, velocities, count, linearise, wrong))
 }
 
 /// rayc_contact_system_misjudged() with floats.
@@ -78,8 +73,7 @@ pub unsafe extern "C" fn rayc_contact_system_misjudged_f32(
     velocities: *const f32,
     wrong: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { number_at!(system, velocities, count, misjudged, wrong) })
+    guard(|| number_at!(system, velocities, count, misjudged, wrong))
 }
 
 /// rayc_contact_system_detect_again() with floats.
@@ -91,8 +85,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_again_f32(
     velocities: *const f32,
     is_more: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { detect_again(system, scene, count, velocities, is_more) })
+    guard(|| detect_again(system, scene, count, velocities, is_more))
 }
 
 /// rayc_contact_system_finish() with floats.
@@ -102,8 +95,7 @@ pub unsafe extern "C" fn rayc_contact_system_finish_f32(
     count: usize,
     velocities: *const f32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { finish(system, count, velocities) })
+    guard(|| finish(system, count, velocities))
 }
 
 /// rayc_contact_system_explicit_step() with floats, rounded as by rayc_contact_system_add_forces_f32().
@@ -119,8 +111,5 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step_f32(
     forces: *mut f32,
     longest_step: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        explicit_step(system, scene, dt, (count, positions, velocities), (unknown_count, forces), longest_step)
-    })
+    guard(|| explicit_step(system, scene, dt, (count, positions, velocities), (unknown_count, forces), longest_step))
 }

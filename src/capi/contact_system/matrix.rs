@@ -11,12 +11,10 @@ pub unsafe extern "C" fn rayc_contact_system_block_count(
     system: *const rayc_contact_system,
     count: *mut usize,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         let place = Output::new(count, "count")?;
-        place.write(block_count(&system.system)?);
-        Ok(())
+        place.write(block_count(&system.system)?)
     })
 }
 
@@ -36,8 +34,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_blocks(
     columns: *mut u32,
     blocks: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         check_length("blocks", count, block_count(&system.system)?)?;
         let rows = slice_mut(rows, count, "rows")?;
@@ -82,8 +79,7 @@ pub unsafe extern "C" fn rayc_contact_system_csr(
     factor: f64,
     matrix: *mut rayc_csr,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let place = Output::new(matrix, "matrix")?;
         let CompressedRows { offsets, columns, values } =
@@ -94,8 +90,7 @@ pub unsafe extern "C" fn rayc_contact_system_csr(
             offsets: offsets.as_ptr(),
             columns: columns.as_ptr(),
             values: values.as_ptr(),
-        });
-        Ok(())
+        })
     })
 }
 

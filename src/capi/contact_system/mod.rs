@@ -46,7 +46,7 @@ pub struct rayc_contact_system {
 }
 
 impl Handle for rayc_contact_system {
-    const KIND: HandleKind = HandleKind::ContactSystem;
+    const KIND: HandleKind = HandleKind::CONTACT_SYSTEM;
 }
 
 /// A system of either precision.

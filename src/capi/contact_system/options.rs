@@ -52,15 +52,12 @@ impl rayc_contact_system_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_contact_system_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_contact_system_options(
     struct_size: usize,
     options: *mut rayc_contact_system_options,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_defaults(struct_size, options) })
+    guard(|| write_defaults(struct_size, options))
 }
 
 /// Makes a system without bodies. options: NULL for the defaults. *system: the new handle.
@@ -71,22 +68,19 @@ pub unsafe extern "C" fn rayc_contact_system_create(
     options: *const rayc_contact_system_options,
     system: *mut *mut rayc_contact_system,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let options = read_options(options)?;
         let place = Output::new(system, "system")?;
         let system = match scalar_from(options.precision, "precision")? {
             rayc_scalar::RAYC_SCALAR_F32 => AnySystem::F32(options.system()?),
             rayc_scalar::RAYC_SCALAR_F64 => AnySystem::F64(options.system()?),
         };
-        give(place, rayc_contact_system { system, parts: Default::default(), room: Default::default() });
-        Ok(())
+        give(place, rayc_contact_system { system, parts: Default::default(), room: Default::default() })
     })
 }
 
 /// Frees a system; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_destroy(system: *mut rayc_contact_system) -> rayc_status {
-    // SAFETY: the handle is the caller's, and is not used again.
-    guard_end(|| unsafe { take_back(system, "system") })
+    guard_end(|| take_back(system, "system"))
 }

@@ -27,8 +27,7 @@ pub unsafe extern "C" fn rayc_contact_system_begin(
     velocities: *const f64,
     free_velocities: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { begin(system, scene, dt, count, [positions, velocities, free_velocities]) })
+    guard(|| begin(system, scene, dt, count, [positions, velocities, free_velocities]))
 }
 
 /// Adds the contact forces on the unknowns to `forces`, in N and N m. `velocities` are those at the end of the step.
@@ -44,8 +43,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_forces(
     velocities: *const f64,
     forces: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { add_forces(system, count, velocities, forces) })
+    guard(|| add_forces(system, count, velocities, forces))
 }
 
 /// Adds factor · (−∂force/∂velocity) · change to `result`, as the rows are held: a product with a symmetric, positive
@@ -63,8 +61,7 @@ pub unsafe extern "C" fn rayc_contact_system_add_product(
     change: *const f64,
     result: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { add_product(system, factor, count, change, result) })
+    guard(|| add_product(system, factor, count, change, result))
 }
 
 /// Writes the number that a method of the system gives for velocities.
@@ -73,8 +70,7 @@ macro_rules! number_at {
         let rayc_contact_system { system, room: [room, ..], .. } = &mut *changing($system, "system")?;
         let velocities = Number::read(slice($velocities, $count, "velocities")?, room);
         let place = Output::new($place, stringify!($place))?;
-        place.write(with_precision!(system, |system| system.$method(velocities)?));
-        Ok(())
+        place.write(with_precision!(system, |system| system.$method(velocities)?))
     }};
 }
 pub(super) use number_at;
@@ -90,8 +86,7 @@ pub unsafe extern "C" fn rayc_contact_system_energy(
     velocities: *const f64,
     joules: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { number_at!(system, velocities, count, energy, joules) })
+    guard(|| number_at!(system, velocities, count, energy, joules))
 }
 
 /// The energy in J that bodies store in contacts after `part` of the step, 0 to 1, at these velocities: the integral of the
@@ -110,14 +105,12 @@ pub unsafe extern "C" fn rayc_contact_system_potential(
     part: f64,
     joules: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let (velocities, place) = (slice(velocities, count, "velocities")?, Output::new(joules, "joules")?);
         place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             system.potential(scene, velocities, part)?
-        }));
-        Ok(())
+        }))
     })
 }
 
@@ -136,8 +129,7 @@ pub unsafe extern "C" fn rayc_contact_system_linearise(
     velocities: *const f64,
     wrong: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { number_at!(system, velocities, count, linearise, wrong) })
+    guard(|| number_at!(system, velocities, count, linearise, wrong))
 }
 
 /// Finds what rayc_contact_system_linearise() would write to *wrong, and leaves the rows as they are: the part of all
@@ -152,8 +144,7 @@ pub unsafe extern "C" fn rayc_contact_system_misjudged(
     velocities: *const f64,
     wrong: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { number_at!(system, velocities, count, misjudged, wrong) })
+    guard(|| number_at!(system, velocities, count, misjudged, wrong))
 }
 
 /// Looks for contacts where the bodies end up with these velocities. Call it after a solve: a body that is stopped may
@@ -172,8 +163,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_again(
     velocities: *const f64,
     is_more: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { detect_again(system, scene, count, velocities, is_more) })
+    guard(|| detect_again(system, scene, count, velocities, is_more))
 }
 
 /// Finds how far the scene's bodies, without ghosts, end from where they were when contacts were last looked for, if
@@ -192,16 +182,14 @@ pub unsafe extern "C" fn rayc_contact_system_off_course(
     nodes: *mut f64,
     rigid: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut system, scene) = (changing(system, "system")?, reading(scene, "scene")?);
         let velocities = slice(velocities, count, "velocities")?;
         let places = [Output::new(nodes, "nodes")?, Output::new(rigid, "rigid")?];
         let squares = with_precision!(&mut system.system, &scene.scene, |system, scene| {
             system.off_course(scene, velocities)?
         });
-        places.into_iter().zip(squares).for_each(|(place, square)| place.write(square));
-        Ok(())
+        places.into_iter().zip(squares).try_for_each(|(place, square)| place.write(square))
     })
 }
 
@@ -216,16 +204,14 @@ pub unsafe extern "C" fn rayc_contact_system_finish(
     count: usize,
     velocities: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { finish(system, count, velocities) })
+    guard(|| finish(system, count, velocities))
 }
 
 /// Cancels a step: all is as if it had not begun, except for the positions of the scene's bodies, and that pairs which escape
 /// count the step (rayc_scene_advance()). Does nothing where no step is under way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contact_system_cancel(system: *mut rayc_contact_system) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         with_precision!(&mut changing(system, "system")?.system, |system| system.cancel());
         Ok(())
     })
@@ -241,12 +227,10 @@ pub unsafe extern "C" fn rayc_contact_system_rigid_velocity(
     body: u32,
     velocity: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         let place = Output::array(velocity, 6, "velocity")?;
-        place.write_all(with_precision!(&system.system, |system| system.rigid_velocity(body)?).into_iter());
-        Ok(())
+        place.write_all(with_precision!(&system.system, |system| system.rigid_velocity(body)?).into_iter())
     })
 }
 
@@ -270,10 +254,7 @@ pub unsafe extern "C" fn rayc_contact_system_explicit_step(
     forces: *mut f64,
     longest_step: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        explicit_step(system, scene, dt, (count, positions, velocities), (unknown_count, forces), longest_step)
-    })
+    guard(|| explicit_step(system, scene, dt, (count, positions, velocities), (unknown_count, forces), longest_step))
 }
 
 /// Copies the contacts of the last detection, with its statistics: positions are where bodies were looked for. Replaces what
@@ -292,8 +273,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_contacts(
             to.clone_from(from);
         }
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         let mut contacts = changing(contacts, "contacts")?;
         with_precision!(&system.system, |system| copy(system.contacts(), contacts.list.as_mut()));
@@ -314,15 +294,13 @@ pub unsafe extern "C" fn rayc_contact_system_pair_force(
     is_half_space: u32,
     force: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         let place = Output::array(force, 3, "force")?;
         let is_half_space = flag("is_half_space", is_half_space)?;
         let other = if is_half_space { Surface::HalfSpace(other) } else { Surface::Body(other) };
         let found = with_precision!(&system.system, |system| system.pair_force(body, other)?);
-        place.write_all(found.into_iter());
-        Ok(())
+        place.write_all(found.into_iter())
     })
 }
 
@@ -337,17 +315,14 @@ pub(super) unsafe fn begin<N: Number>(
     count: usize,
     given: [*const N; 3],
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    unsafe {
-        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
-        let rayc_contact_system { system, room: [first, second, third], .. } = &mut *system;
-        let positions = N::read(slice(given[0], count, "positions")?, first);
-        let velocities = N::read(slice(given[1], count, "velocities")?, second);
-        let free = N::read(slice(given[2], count, "free_velocities")?, third);
-        with_precision!(system, &mut scene.scene, |system, scene| {
-            Ok(system.begin(scene, dt, positions, velocities, free)?)
-        })
-    }
+    let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+    let rayc_contact_system { system, room: [first, second, third], .. } = &mut *system;
+    let positions = N::read(slice(given[0], count, "positions")?, first);
+    let velocities = N::read(slice(given[1], count, "velocities")?, second);
+    let free = N::read(slice(given[2], count, "free_velocities")?, third);
+    with_precision!(system, &mut scene.scene, |system, scene| {
+        Ok(system.begin(scene, dt, positions, velocities, free)?)
+    })
 }
 
 pub(super) unsafe fn add_forces<N: Number>(
@@ -356,12 +331,8 @@ pub(super) unsafe fn add_forces<N: Number>(
     velocities: *const N,
     forces: *mut N,
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    let (mut system, velocities, forces) = unsafe {
-        let system = changing(system, "system")?;
-        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
-        (system, velocities, forces)
-    };
+    let mut system = changing(system, "system")?;
+    let (velocities, forces) = apart((velocities, count, "velocities"), (forces, count, "forces"))?;
     let rayc_contact_system { system, room: [first, second, _], .. } = &mut *system;
     let velocities = N::read(velocities, first);
     N::add(forces, second, |forces| with_precision!(system, |system| Ok(system.add_forces(velocities, forces)?)))
@@ -374,12 +345,8 @@ pub(super) unsafe fn add_product<N: Number>(
     change: *const N,
     result: *mut N,
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    let (mut system, change, result) = unsafe {
-        let system = changing(system, "system")?;
-        let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
-        (system, change, result)
-    };
+    let mut system = changing(system, "system")?;
+    let (change, result) = apart((change, count, "change"), (result, count, "result"))?;
     let rayc_contact_system { system, room: [first, second, _], .. } = &mut *system;
     let change = N::read(change, first);
     N::add(result, second, |result| with_precision!(system, |system| Ok(system.add_product(factor, change, result)?)))
@@ -392,17 +359,13 @@ pub(super) unsafe fn detect_again<N: Number>(
     velocities: *const N,
     is_more: *mut u32,
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    unsafe {
-        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
-        let rayc_contact_system { system, room: [room, ..], .. } = &mut *system;
-        let velocities = N::read(slice(velocities, count, "velocities")?, room);
-        let place = Output::new(is_more, "is_more")?;
-        place.write(with_precision!(system, &mut scene.scene, |system, scene| {
-            u32::from(system.detect_again(scene, velocities)?)
-        }));
-        Ok(())
-    }
+    let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+    let rayc_contact_system { system, room: [room, ..], .. } = &mut *system;
+    let velocities = N::read(slice(velocities, count, "velocities")?, room);
+    let place = Output::new(is_more, "is_more")?;
+    place.write(with_precision!(system, &mut scene.scene, |system, scene| {
+        u32::from(system.detect_again(scene, velocities)?)
+    }))
 }
 
 pub(super) unsafe fn finish<N: Number>(
@@ -410,12 +373,9 @@ pub(super) unsafe fn finish<N: Number>(
     count: usize,
     velocities: *const N,
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    unsafe {
-        let rayc_contact_system { system, room: [room, ..], .. } = &mut *changing(system, "system")?;
-        let velocities = N::read(slice(velocities, count, "velocities")?, room);
-        with_precision!(system, |system| Ok(system.finish(velocities)?))
-    }
+    let rayc_contact_system { system, room: [room, ..], .. } = &mut *changing(system, "system")?;
+    let velocities = N::read(slice(velocities, count, "velocities")?, room);
+    with_precision!(system, |system| Ok(system.finish(velocities)?))
 }
 
 pub(super) unsafe fn explicit_step<N: Number>(
@@ -426,20 +386,16 @@ pub(super) unsafe fn explicit_step<N: Number>(
     (unknown_count, forces): (usize, *mut N),
     longest_step: *mut f64,
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    unsafe {
-        let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
-        let place = Output::new(longest_step, "longest_step")?;
-        check_apart(positions, count, forces, unknown_count)?;
-        let rayc_contact_system { system, room: [first, second, third], .. } = &mut *system;
-        let positions = N::read(slice(positions, count, "positions")?, first);
-        let (velocities, forces) = apart((velocities, count, "velocities"), (forces, unknown_count, "forces"))?;
-        let velocities = N::read(velocities, second);
-        N::add(forces, third, |forces| {
-            place.write(with_precision!(system, &mut scene.scene, |system, scene| {
-                system.explicit_step(scene, dt, positions, velocities, forces)?
-            }));
-            Ok(())
-        })
-    }
+    let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
+    let place = Output::new(longest_step, "longest_step")?;
+    check_apart(positions, count, forces, unknown_count)?;
+    let rayc_contact_system { system, room: [first, second, third], .. } = &mut *system;
+    let positions = N::read(slice(positions, count, "positions")?, first);
+    let (velocities, forces) = apart((velocities, count, "velocities"), (forces, unknown_count, "forces"))?;
+    let velocities = N::read(velocities, second);
+    N::add(forces, third, |forces| {
+        place.write(with_precision!(system, &mut scene.scene, |system, scene| {
+            system.explicit_step(scene, dt, positions, velocities, forces)?
+        }))
+    })
 }

@@ -136,22 +136,17 @@ impl Options for rayc_detection_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_detection_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_detection_options(
     struct_size: usize,
     options: *mut rayc_detection_options,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_defaults(struct_size, options) })
+    guard(|| write_defaults(struct_size, options))
 }
 
 /// Fills `options` with what makes a query just what the paper does: rays from the vertices, its two filters and its law,
 /// nothing else. Its forces are those with RAYC_WEIGHTING_VERTEX in rayc_response_options. struct_size:
 /// sizeof(rayc_detection_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_paper_detection_options(
     struct_size: usize,
@@ -164,8 +159,7 @@ pub unsafe extern "C" fn rayc_paper_detection_options(
         law: rayc_law::RAYC_LAW_RAY_LENGTH as u32,
         ..rayc_detection_options::defaults()
     };
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_options(struct_size, options, "options", paper) })
+    guard(|| write_options(struct_size, options, "options", paper))
 }
 
 /// Sets how contacts are found from the next query on. options: NULL for the defaults.
@@ -176,8 +170,7 @@ pub unsafe extern "C" fn rayc_scene_set_detection_options(
     scene: *mut rayc_scene,
     options: *const rayc_detection_options,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let options = read_options(options)?;
         with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.set_options(options.detection()?));
         Ok(())

@@ -49,11 +49,9 @@ pub unsafe extern "C" fn rayc_contacts_escape_push_count(
     contacts: *const rayc_contacts,
     count: *mut usize,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
-        Output::new(count, "count")?.write(push_count(list));
-        Ok(())
+        Output::new(count, "count")?.write(push_count(list))
     })
 }
 
@@ -70,13 +68,11 @@ pub unsafe extern "C" fn rayc_contacts_copy_escape_pushes(
     struct_size: usize,
     out: *mut rayc_escape_push,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let range = range_of("pushes", first, count, push_count(list))?;
         let out = Known::new(struct_size, out, count, "out")?;
-        with_precision!(list, |list| out.write_all(list.pushes()[range].iter().map(Into::into)));
-        Ok(())
+        with_precision!(list, |list| out.write_all(list.pushes()[range].iter().map(Into::into)))
     })
 }
 

@@ -77,15 +77,12 @@ impl rayc_response_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_response_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_response_options(
     struct_size: usize,
     options: *mut rayc_response_options,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_defaults(struct_size, options) })
+    guard(|| write_defaults(struct_size, options))
 }
 
 /// Adds the contact forces to `forces`, in N. Each contact gives stiffness · weight · cos α · depth along the ray at
@@ -115,8 +112,7 @@ pub unsafe extern "C" fn rayc_contacts_add_forces(
     velocities: *const rayc_vectors,
     forces: *const rayc_vectors_mut,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let positions = BodyArray::if_any(positions, body_count, "positions")?;
@@ -143,8 +139,7 @@ pub unsafe extern "C" fn rayc_contacts_add_differential(
     displacements: *const rayc_vectors,
     forces: *const rayc_vectors_mut,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let factors = finite([stiffness_factor, damping_factor])?;
@@ -175,8 +170,7 @@ pub unsafe extern "C" fn rayc_scene_add_differential(
     displacements: *const rayc_vectors,
     forces: *const rayc_vectors_mut,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (scene, list) = (&reading(scene, "scene")?.scene, &reading(contacts, "contacts")?.list);
         let (law, factors) = (read_options(options)?.law()?, finite([stiffness_factor, damping_factor])?);
         let displacements = BodyArray::all(displacements, body_count, "displacements")?;
@@ -210,8 +204,7 @@ pub unsafe extern "C" fn rayc_contacts_add_wrenches(
     velocities: *const f64,
     wrenches: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let [three, six] = [3, 6].map(|numbers| body_count.saturating_mul(numbers));
@@ -237,14 +230,12 @@ pub unsafe extern "C" fn rayc_contacts_energy(
     positions: *const rayc_vectors,
     joules: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let positions = BodyArray::if_any(positions, body_count, "positions")?;
         let place = Output::new(joules, "joules")?;
-        place.write(with_precision!(list, |list| all_energy(list, &law, positions)?));
-        Ok(())
+        place.write(with_precision!(list, |list| all_energy(list, &law, positions)?))
     })
 }
 
@@ -260,13 +251,11 @@ pub unsafe extern "C" fn rayc_scene_potential(
     contacts: *mut rayc_contacts,
     joules: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut scene, mut contacts) = (changing(scene, "scene")?, changing(contacts, "contacts")?);
         let law = read_options(options)?.law()?;
         let (place, list) = (Output::new(joules, "joules")?, &mut contacts.list);
-        place.write(with_precision!(&mut scene.scene, |scene| scene.potential(&law, list.as_mut())));
-        Ok(())
+        place.write(with_precision!(&mut scene.scene, |scene| scene.potential(&law, list.as_mut())))
     })
 }
 
@@ -284,8 +273,7 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
     count: usize,
     coefficients: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let law = read_options(options)?.law()?;
         let range = list.range(first, count)?;
@@ -295,8 +283,7 @@ pub unsafe extern "C" fn rayc_contacts_copy_coefficients(
             if let Some(contact) = contacts.iter().find(|contact| !law.coefficient(contact).is_finite()) {
                 return Err(beyond_range(contact));
             }
-            out.write_all(contacts.iter().map(|contact| law.coefficient(contact).to_f64()));
-            Ok(())
+            out.write_all(contacts.iter().map(|contact| law.coefficient(contact).to_f64()))
         })
     })
 }
@@ -338,8 +325,7 @@ pub(in crate::capi) unsafe fn velocities_for<'a>(
             text!("{name} is {value}, but there are no velocities {what}; give velocities, or a {name} of 0"),
         ));
     }
-    // SAFETY: by this function's contract.
-    unsafe { BodyArray::if_any(velocities, body_count, "velocities") }
+    BodyArray::if_any(velocities, body_count, "velocities")
 }
 
 fn add_all_forces<T: Scalar>(

@@ -9,12 +9,10 @@ use crate::math::Scalar;
 /// Makes an empty list. *contacts: the new handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = AnyContacts::F64(ContactList::default());
         let pair_forces = AnyForcesByPair::F64(ForcesByPair::default());
-        give(Output::new(contacts, "contacts")?, rayc_contacts { list, pair_forces });
-        Ok(())
+        give(Output::new(contacts, "contacts")?, rayc_contacts { list, pair_forces })
     })
 }
 
@@ -27,8 +25,7 @@ pub unsafe extern "C" fn rayc_contacts_create(contacts: *mut *mut rayc_contacts)
 /// With the same positions a query finds the same contacts, however often it is called in a step: see rayc_scene_advance().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { query(scene, contacts) })
+    guard(|| query(scene, contacts))
 }
 
 /// rayc_scene_query() for many scenes at once: scene i into contacts i, on the threads of the first scene, a scene on one
@@ -46,8 +43,7 @@ pub unsafe extern "C" fn rayc_scenes_query(
     contacts: *const *mut rayc_contacts,
     statuses: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (scenes, lists) = (Pointers::new(scenes, count, "scenes")?, Pointers::new(contacts, count, "contacts")?);
         for_each_scene(&scenes, statuses, |k, scene| query(scene, lists.of(k)))
     })
@@ -56,8 +52,7 @@ pub unsafe extern "C" fn rayc_scenes_query(
 /// # Safety
 /// That of rayc_scene_query().
 unsafe fn query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    let (mut scene, mut contacts) = unsafe { (changing(scene, "scene")?, changing(contacts, "contacts")?) };
+    let (mut scene, mut contacts) = (changing(scene, "scene")?, changing(contacts, "contacts")?);
     let list = &mut contacts.list;
     with_precision!(&mut scene.scene, |scene| scene.query(list.as_mut()));
     Ok(())
@@ -66,11 +61,9 @@ unsafe fn query(scene: *mut rayc_scene, contacts: *mut rayc_contacts) -> Result<
 /// How many contacts there are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_count(contacts: *const rayc_contacts, count: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let contacts = reading(contacts, "contacts")?;
-        Output::new(count, "count")?.write(contacts.list.len());
-        Ok(())
+        Output::new(count, "count")?.write(contacts.list.len())
     })
 }
 
@@ -184,19 +177,16 @@ pub unsafe extern "C" fn rayc_contacts_copy(
     count: usize,
     out: *mut rayc_contact,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let contacts = reading(contacts, "contacts")?;
         let range = contacts.list.range(first, count)?;
         let out = Output::array(out, count, "out")?;
-        with_precision!(&contacts.list, |list| out.write_all(list.contacts[range].iter().map(Into::into)));
-        Ok(())
+        with_precision!(&contacts.list, |list| out.write_all(list.contacts[range].iter().map(Into::into)))
     })
 }
 
 /// Frees the contacts; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_destroy(contacts: *mut rayc_contacts) -> rayc_status {
-    // SAFETY: the handle is the caller's, and is not used again.
-    guard_end(|| unsafe { take_back(contacts, "contacts") })
+    guard_end(|| take_back(contacts, "contacts"))
 }

@@ -23,15 +23,14 @@ use std::ops::Range;
 ///
 /// Threads: several threads may make calls with const contacts at the same time. The caller frees the list with
 /// rayc_contacts_destroy(). It stays valid when meshes, octrees and scenes are gone. Each query replaces its contents
-/// and reuses its memory. Do not use a list after it was destroyed: the library returns RAYC_STATUS_INVALID_HANDLE
-/// where it can tell, but does not promise to.
+/// and reuses its memory.
 pub struct rayc_contacts {
     pub(super) list: AnyContacts,
     pub(super) pair_forces: AnyForcesByPair,
 }
 
 impl Handle for rayc_contacts {
-    const KIND: HandleKind = HandleKind::Contacts;
+    const KIND: HandleKind = HandleKind::CONTACTS;
 }
 
 /// Contacts of either precision.

@@ -96,16 +96,13 @@ impl rayc_statistics {
 
 /// What the query that filled `contacts` did. struct_size: sizeof(rayc_statistics), so that a later library writes no more
 /// than the caller knows.
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_contacts_statistics(
     contacts: *const rayc_contacts,
     struct_size: usize,
     statistics: *mut rayc_statistics,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let list = &reading(contacts, "contacts")?.list;
         let found = with_precision!(list, |list| list.statistics);
         let known = rayc_statistics::of(found, list.len());

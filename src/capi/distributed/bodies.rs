@@ -26,14 +26,11 @@ pub unsafe extern "C" fn rayc_scene_add_mesh_with_key(
     key: u64,
     body: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let mesh = reading(mesh, "mesh")?;
         let place = Output::new(body, "body")?;
-        place
-            .write(with_precision!(&mut scene.scene, &mesh.mesh, |scene, mesh| scene.add_with_key(mesh.clone(), key)?));
-        Ok(())
+        place.write(with_precision!(&mut scene.scene, &mesh.mesh, |scene, mesh| scene.add_with_key(mesh.clone(), key)?))
     })
 }
 
@@ -96,8 +93,7 @@ pub unsafe extern "C" fn rayc_scene_share_body(
     neighbours: u32,
     overlaps_itself: u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let sharing = Sharing {
             is_foreign: flag("is_ghost", is_ghost)?,
@@ -114,15 +110,13 @@ pub unsafe extern "C" fn rayc_scene_share_body(
 /// Errors: RAYC_STATUS_INVALID_OPTION where the keys are the same.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_finds_pair(own: u64, ghost: u64, found: *mut u32) -> rayc_status {
-    // SAFETY: the pointer is the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let place = Output::new(found, "found")?;
         if own == ghost {
             let message = text!("both keys are {own}; give those of two different bodies");
             return Err(Failure::new(rayc_status::RAYC_STATUS_INVALID_OPTION, message));
         }
-        place.write(u32::from(finds_pair(own, ghost)));
-        Ok(())
+        place.write(u32::from(finds_pair(own, ghost)))
     })
 }
 
@@ -131,8 +125,7 @@ pub unsafe extern "C" fn rayc_finds_pair(own: u64, ghost: u64, found: *mut u32) 
 /// before the query.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_find_self_contacts(scene: *mut rayc_scene) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.find_self_contacts());
         Ok(())
     })
@@ -154,8 +147,7 @@ pub unsafe extern "C" fn rayc_scene_body_state(
         let (cost, overlaps_itself) = (scene.body_cost(body)?, u32::from(scene.overlaps_itself(body)?));
         Ok(rayc_body_state { lower, upper, cost, overlaps_itself, reserved: 0 })
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let found = with_precision!(&reading(scene, "scene")?.scene, |scene| state_of(scene, body)?);
         write_known(struct_size, state, "state", found)
     })
@@ -165,11 +157,9 @@ pub unsafe extern "C" fn rayc_scene_body_state(
 /// by another process. *count: 0 before the first query.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_pair_cost_count(scene: *const rayc_scene, count: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let scene = reading(scene, "scene")?;
-        Output::new(count, "count")?.write(pair_costs(&scene.scene).len());
-        Ok(())
+        Output::new(count, "count")?.write(pair_costs(&scene.scene).len())
     })
 }
 
@@ -187,14 +177,12 @@ pub unsafe extern "C" fn rayc_scene_copy_pair_costs(
     struct_size: usize,
     out: *mut rayc_pair_cost,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let scene = reading(scene, "scene")?;
         let costs = pair_costs(&scene.scene);
         let asked = &costs[range_of("costs of pairs", first, count, costs.len())?];
         let of = |&PairCost { bodies: [first, second], cost }: &PairCost| rayc_pair_cost { first, second, cost };
-        Known::new(struct_size, out, count, "out")?.write_all(asked.iter().map(of));
-        Ok(())
+        Known::new(struct_size, out, count, "out")?.write_all(asked.iter().map(of))
     })
 }
 
@@ -221,8 +209,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_memory(
         let remembered = PairMemory::from_bytes(&mut Reader { rest: &memory.state });
         scene.set_pair_memory(pair, remembered.ok_or(SceneError::PairMemory { pair })?)
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         check_size::<rayc_pair_memory>(struct_size)?;
         let memory = reference(memory, "memory")?;

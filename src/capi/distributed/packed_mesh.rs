@@ -6,11 +6,9 @@ use crate::distributed::{PackedMeshError, pack_mesh, packed_mesh_length, packed_
 /// How many bytes rayc_mesh_pack() writes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length: *mut usize) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mesh = reading(mesh, "mesh")?;
-        Output::new(length, "length")?.write(with_precision!(&mesh.mesh, |mesh| packed_mesh_length(mesh)));
-        Ok(())
+        Output::new(length, "length")?.write(with_precision!(&mesh.mesh, |mesh| packed_mesh_length(mesh)))
     })
 }
 
@@ -25,12 +23,10 @@ pub unsafe extern "C" fn rayc_mesh_packed_length(mesh: *const rayc_mesh, length:
 /// Errors: RAYC_STATUS_WRONG_COUNT.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, bytes: *mut u8) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut packed = Vec::new();
         with_precision!(&reading(mesh, "mesh")?.mesh, |mesh| pack_mesh(mesh, &mut packed));
-        Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter());
-        Ok(())
+        Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter())
     })
 }
 
@@ -41,8 +37,7 @@ pub unsafe extern "C" fn rayc_mesh_pack(mesh: *const rayc_mesh, length: usize, b
 /// and those of rayc_mesh_create() where the bytes fit their checksum but are no mesh.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_mesh_unpack(length: usize, bytes: *const u8, mesh: *mut *mut rayc_mesh) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let bytes = slice(bytes, length, "bytes")?;
         let place = Output::new(mesh, "mesh")?;
         let (number_size, _) = packed_number_size(bytes).map_err(PackedMeshError::from)?;
@@ -51,7 +46,6 @@ pub unsafe extern "C" fn rayc_mesh_unpack(length: usize, bytes: *const u8, mesh:
         } else {
             AnyMesh::F64(unpack_mesh(bytes)?)
         };
-        give(place, rayc_mesh { mesh });
-        Ok(())
+        give(place, rayc_mesh { mesh })
     })
 }

@@ -50,8 +50,7 @@ pub unsafe extern "C" fn rayc_contacts_sum_pair_forces(
     pair_count: *mut usize,
     force_count: *mut usize,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut contacts = changing(contacts, "contacts")?;
         let rayc_contacts { list, pair_forces } = &mut *contacts;
         let law = read_options(options)?.law()?;
@@ -59,8 +58,7 @@ pub unsafe extern "C" fn rayc_contacts_sum_pair_forces(
         let velocities = velocities_for(&law, list, velocities, body_count)?;
         let places = [Output::new(pair_count, "pair_count")?, Output::new(force_count, "force_count")?];
         let counts = with_precision!(&*list, |list| sum(list, pair_forces.as_mut(), &law, positions, velocities)?);
-        places.into_iter().zip(counts).for_each(|(place, count)| place.write(count));
-        Ok(())
+        places.into_iter().zip(counts).try_for_each(|(place, count)| place.write(count))
     })
 }
 
@@ -89,18 +87,16 @@ pub unsafe extern "C" fn rayc_contacts_copy_pair_forces(
     force_count: usize,
     forces: *mut rayc_vertex_force,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let contacts = reading(contacts, "contacts")?;
         with_precision!(&contacts.pair_forces, |summed| {
             let pairs = Output::exactly(pairs, pair_count, summed.pairs().len(), "pairs")?;
             let forces = Output::exactly(forces, force_count, summed.forces().len(), "forces")?;
             pairs.write_all(summed.pairs().iter().map(|&PairForces { bodies: [first, second], start, counts }| {
                 rayc_pair_forces { first, second, start, first_count: counts[0], second_count: counts[1] }
-            }));
-            forces.write_all(summed.forces().iter().map(at_vertex));
-        });
-        Ok(())
+            }))?;
+            forces.write_all(summed.forces().iter().map(at_vertex))
+        })
     })
 }
 

@@ -19,8 +19,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_ahead(
     velocities: *const f64,
     free_velocities: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
@@ -47,8 +46,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_again(
     count: usize,
     velocities: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let end = slice(velocities, count, "velocities")?;
         with_precision!(&mut system.system, &mut scene.scene, |system, scene| Ok(look_again(system, scene, end)?))
@@ -72,8 +70,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_among(
     velocities: *const f64,
     is_more: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let positions = slice(positions, node_count, "positions")?;
         let start = slice(start_velocities, node_count, "start_velocities")?;
@@ -81,8 +78,7 @@ pub unsafe extern "C" fn rayc_contact_system_detect_among(
         let place = Output::new(is_more, "is_more")?;
         place.write(with_precision!(&mut system.system, &mut scene.scene, |system, scene| {
             u32::from(detect_among(system, scene, positions, start, velocities)?)
-        }));
-        Ok(())
+        }))
     })
 }
 
@@ -99,8 +95,7 @@ pub unsafe extern "C" fn rayc_contact_system_look_explicit(
     positions: *const f64,
     velocities: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
@@ -124,8 +119,7 @@ pub unsafe extern "C" fn rayc_contact_system_begin_explicit(
     positions: *const f64,
     velocities: *const f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut system, mut scene) = (changing(system, "system")?, changing(scene, "scene")?);
         let positions = slice(positions, count, "positions")?;
         let velocities = slice(velocities, count, "velocities")?;
@@ -145,8 +139,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_couplings(
     block_count: usize,
     couplings: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let couplings = slice_mut(couplings, block_count, "couplings")?;
         with_precision!(system, |system| Ok(parts.of(system)?.couplings(couplings)?))
@@ -168,13 +161,11 @@ pub unsafe extern "C" fn rayc_contact_system_largest_coupling(
     largest: *mut f64,
     damping_time: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         let sums = slice(sums, count, "sums")?;
         let places = [Output::new(largest, "largest")?, Output::new(damping_time, "damping_time")?];
         let found = with_precision!(&system.system, |system| largest_coupling(system, sums)?);
-        places.into_iter().zip(found).for_each(|(place, number)| place.write(number));
-        Ok(())
+        places.into_iter().zip(found).try_for_each(|(place, number)| place.write(number))
     })
 }

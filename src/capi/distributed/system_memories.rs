@@ -27,11 +27,9 @@ pub unsafe extern "C" fn rayc_contact_system_memory_count(
     system: *const rayc_contact_system,
     count: *mut usize,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
-        Output::new(count, "count")?.write(with_precision!(&system.system, |system| system.remembered_pairs().len()));
-        Ok(())
+        Output::new(count, "count")?.write(with_precision!(&system.system, |system| system.remembered_pairs().len()))
     })
 }
 
@@ -44,8 +42,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_memories(
     count: usize,
     memories: *mut rayc_contact_memory,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         with_precision!(&system.system, |system| {
             let pairs = system.remembered_pairs();
@@ -54,9 +51,8 @@ pub unsafe extern "C" fn rayc_contact_system_copy_memories(
                 let (second, is_half_space) = numbers_of(pair.1);
                 let length = packed_memory_length(system, pair);
                 rayc_contact_memory { first: pair.0, second, is_half_space, reserved: 0, length }
-            }));
-        });
-        Ok(())
+            }))
+        })
     })
 }
 
@@ -71,14 +67,12 @@ pub unsafe extern "C" fn rayc_contact_system_pack_memory(
     pair: *const rayc_contact_memory,
     bytes: *mut u8,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let system = reading(system, "system")?;
         let (key, length) = read_pair(pair)?;
         let mut packed = Vec::new();
         with_precision!(&system.system, |system| pack_memory(system, key, &mut packed)?);
-        Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter());
-        Ok(())
+        Output::exactly(bytes, length, packed.len(), "bytes")?.write_all(packed.into_iter())
     })
 }
 
@@ -94,8 +88,7 @@ pub unsafe extern "C" fn rayc_contact_system_put_memory(
     pair: *const rayc_contact_memory,
     bytes: *const u8,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut system = changing(system, "system")?;
         let (key, length) = read_pair(pair)?;
         let bytes = slice(bytes, length, "bytes")?;
@@ -106,8 +99,7 @@ pub unsafe extern "C" fn rayc_contact_system_put_memory(
 /// # Safety
 /// `pair` is NULL or points to one.
 unsafe fn read_pair(pair: *const rayc_contact_memory) -> Result<((u32, Surface), usize), Failure> {
-    // SAFETY: by this function's contract.
-    let pair = unsafe { reference(pair, "pair")? };
+    let pair = reference(pair, "pair")?;
     let is_half_space = flag("is_half_space", pair.is_half_space)?;
     let second = if is_half_space { Surface::HalfSpace(pair.second) } else { Surface::Body(pair.second) };
     Ok(((pair.first, second), pair.length))

@@ -38,16 +38,14 @@ pub unsafe extern "C" fn rayc_contact_system_part_count(
     part_count: *mut usize,
     block_count: *mut usize,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let places = [Output::new(part_count, "part_count")?, Output::new(block_count, "block_count")?];
         let counts = with_precision!(system, |system| {
             let (parts, blocks) = parts.of(system)?.lists();
             [parts.len(), blocks.len()]
         });
-        places.into_iter().zip(counts).for_each(|(place, count)| place.write(count));
-        Ok(())
+        places.into_iter().zip(counts).try_for_each(|(place, count)| place.write(count))
     })
 }
 
@@ -64,8 +62,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_parts(
     block_count: usize,
     blocks: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts: found, .. } = &mut *changing(system, "system")?;
         with_precision!(system, |system| {
             let (all_parts, all_blocks) = found.of(system)?.lists();
@@ -74,10 +71,9 @@ pub unsafe extern "C" fn rayc_contact_system_copy_parts(
             parts.write_all(all_parts.iter().map(|&Part { body, other, start, count }| {
                 let (other, is_half_space) = numbers_of(other);
                 rayc_contact_part { body, other, is_half_space, reserved: 0, start, count }
-            }));
-            blocks.write_all(all_blocks.iter().copied());
-        });
-        Ok(())
+            }))?;
+            blocks.write_all(all_blocks.iter().copied())
+        })
     })
 }
 
@@ -93,8 +89,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_forces(
     block_count: usize,
     forces: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (velocities, forces) = apart((velocities, count, "velocities"), (forces, length, "forces"))?;
@@ -115,8 +110,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_products(
     block_count: usize,
     result: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let length = block_count.saturating_mul(3);
         let (change, result) = apart((change, count, "change"), (result, length, "result"))?;
@@ -137,8 +131,7 @@ pub unsafe extern "C" fn rayc_contact_system_part_energies(
     part_count: usize,
     joules: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let (velocities, joules) = apart((velocities, count, "velocities"), (joules, part_count, "joules"))?;
         with_precision!(system, |system| Ok(parts.of(system)?.energies(velocities, joules)?))
@@ -153,12 +146,10 @@ pub unsafe extern "C" fn rayc_contact_system_part_block_count(
     system: *mut rayc_contact_system,
     count: *mut usize,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts, .. } = &mut *changing(system, "system")?;
         let place = Output::new(count, "count")?;
-        place.write(with_precision!(system, |system| parts.of(system)?.matrix(1.0)?.len()));
-        Ok(())
+        place.write(with_precision!(system, |system| parts.of(system)?.matrix(1.0)?.len()))
     })
 }
 
@@ -178,8 +169,7 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
     columns: *mut u32,
     blocks: *mut f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let rayc_contact_system { system, parts: found, .. } = &mut *changing(system, "system")?;
         with_precision!(system, |system| {
             let all = found.of(system)?.matrix(factor)?;
@@ -187,11 +177,10 @@ pub unsafe extern "C" fn rayc_contact_system_copy_part_blocks(
             let rows = Output::array(rows, count, "rows")?;
             let columns = Output::array(columns, count, "columns")?;
             let blocks = Output::array(blocks, 9 * count, "blocks")?;
-            parts.write_all(all.iter().map(|block| block.part as u32));
-            rows.write_all(all.iter().map(|block| block.row));
-            columns.write_all(all.iter().map(|block| block.column));
-            blocks.write_all(all.iter().flat_map(|block| block.numbers));
-        });
-        Ok(())
+            parts.write_all(all.iter().map(|block| block.part as u32))?;
+            rows.write_all(all.iter().map(|block| block.row))?;
+            columns.write_all(all.iter().map(|block| block.column))?;
+            blocks.write_all(all.iter().flat_map(|block| block.numbers))
+        })
     })
 }

@@ -23,48 +23,33 @@ struct Marked<V> {
 /// In place of a number of readers: one call is changing the value.
 const CHANGING: u32 = u32::MAX;
 
-/// The types of handles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::capi) enum HandleKind {
-    Mesh,
-    Octree,
-    Contacts,
-    Scene,
-    ContactSystem,
+/// A type of handle: its name, and the mark of its values.
+pub(in crate::capi) struct HandleKind {
+    name: &'static str,
+    mark: u64,
 }
 
 impl HandleKind {
-    const ALL: [Self; 5] = [Self::Mesh, Self::Octree, Self::Contacts, Self::Scene, Self::ContactSystem];
+    pub(in crate::capi) const MESH: Self = Self::new("rayc_mesh", b"raycmesh");
+    pub(in crate::capi) const OCTREE: Self = Self::new("rayc_octree", b"raycoctr");
+    pub(in crate::capi) const CONTACTS: Self = Self::new("rayc_contacts", b"rayccont");
+    pub(in crate::capi) const SCENE: Self = Self::new("rayc_scene", b"raycscen");
+    pub(in crate::capi) const CONTACT_SYSTEM: Self = Self::new("rayc_contact_system", b"raycsyst");
+    const ALL: [Self; 5] = [Self::MESH, Self::OCTREE, Self::CONTACTS, Self::SCENE, Self::CONTACT_SYSTEM];
 
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Mesh => "rayc_mesh",
-            Self::Octree => "rayc_octree",
-            Self::Contacts => "rayc_contacts",
-            Self::Scene => "rayc_scene",
-            Self::ContactSystem => "rayc_contact_system",
-        }
-    }
-
-    const fn mark(self) -> u64 {
-        u64::from_le_bytes(*match self {
-            Self::Mesh => b"raycmesh",
-            Self::Octree => b"raycoctr",
-            Self::Contacts => b"rayccont",
-            Self::Scene => b"raycscen",
-            Self::ContactSystem => b"raycsyst",
-        })
+    const fn new(name: &'static str, mark: &[u8; 8]) -> Self {
+        Self { name, mark: u64::from_le_bytes(*mark) }
     }
 }
 
-/// A type of handle.
+/// What handles point to.
 pub(in crate::capi) trait Handle {
     const KIND: HandleKind;
 }
 
 /// The type of the handles with this mark.
 fn marked_by(mark: u64) -> Option<&'static str> {
-    HandleKind::ALL.into_iter().find(|kind| kind.mark() == mark).map(HandleKind::name)
+    HandleKind::ALL.into_iter().find(|kind| kind.mark == mark).map(|kind| kind.name)
 }
 
 /// A handle's value, while a call reads it.
@@ -132,12 +117,12 @@ unsafe fn found<V: Handle>(pointer: *const V, name: &str) -> Result<NonNull<Mark
     let handle = NonNull::new(pointer.cast_mut().cast::<Marked<V>>()).ok_or_else(|| null(name))?;
     // SAFETY: by this function's contract.
     let mark = handle.is_aligned().then(|| unsafe { &(*handle.as_ptr()).mark }.load(Ordering::Relaxed));
-    if mark == Some(V::KIND.mark()) { Ok(handle) } else { Err(no_handle::<V>(name, mark.and_then(marked_by))) }
+    if mark == Some(V::KIND.mark) { Ok(handle) } else { Err(no_handle::<V>(name, mark.and_then(marked_by))) }
 }
 
 #[cold]
 fn no_handle<V: Handle>(name: &str, other: Option<&str>) -> Failure {
-    let own = V::KIND.name();
+    let own = V::KIND.name;
     let message = match other {
         Some(other) => text!("{name} is a handle of an {other}, not of an {own}; pass one of the right type"),
         None => text!("{name} is no handle of an {own}, or has been destroyed; pass one that {own}'s functions gave"),
@@ -201,9 +186,9 @@ pub(in crate::capi) unsafe fn changing<'a, V: Handle>(pointer: *mut V, name: &st
 ///
 /// # Safety
 /// `place` is writable.
-pub(in crate::capi) unsafe fn give<V: Handle>(place: Output<*mut V>, value: V) {
+pub(in crate::capi) unsafe fn give<V: Handle>(place: Output<*mut V>, value: V) -> Result<(), Failure> {
     // A box of one value, which is laid out as the value itself.
-    let boxed = memory::boxed(Marked { mark: AtomicU64::new(V::KIND.mark()), users: AtomicU32::new(0), value });
+    let boxed = memory::boxed(Marked { mark: AtomicU64::new(V::KIND.mark), users: AtomicU32::new(0), value });
     // SAFETY: by this function's contract.
     unsafe { place.write(Box::into_raw(boxed).cast()) }
 }

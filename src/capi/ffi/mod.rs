@@ -1,5 +1,7 @@
 //! What stands between C's calls and the library: the guard, handles, arrays, structs that grow, and failures.
 
+#![deny(unsafe_op_in_unsafe_fn)] // here each operation says what it rests on
+
 mod body_arrays;
 mod checks;
 mod failure;

@@ -114,18 +114,22 @@ impl<V> Output<V> {
         Self::array(pointer, count, name)
     }
 
+    /// Gives `Ok`, as a call does that ends with this.
+    ///
     /// # Safety
     /// The pointer is writable for one `V`.
-    pub(in crate::capi) unsafe fn write(self, value: V) {
+    pub(in crate::capi) unsafe fn write(self, value: V) -> Result<(), Failure> {
         // SAFETY: by this function's contract.
-        unsafe { self.0.write(value) }
+        unsafe { self.0.write(value) };
+        Ok(())
     }
 
     /// # Safety
     /// The pointer is writable for as many values as `values` yields.
-    pub(in crate::capi) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
+    pub(in crate::capi) unsafe fn write_all(self, values: impl Iterator<Item = V>) -> Result<(), Failure> {
         // SAFETY: by this function's contract.
-        unsafe { self.write_from(0, values) }
+        unsafe { self.write_from(0, values) };
+        Ok(())
     }
 
     /// The same from a place on.

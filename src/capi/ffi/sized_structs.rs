@@ -100,7 +100,7 @@ impl<V: Growing> Known<V> {
 
     /// # Safety
     /// The place is writable for as many times `struct_size` bytes as `values` yields.
-    pub(in crate::capi) unsafe fn write_all(self, values: impl Iterator<Item = V>) {
+    pub(in crate::capi) unsafe fn write_all(self, values: impl Iterator<Item = V>) -> Result<(), Failure> {
         for (index, value) in values.enumerate() {
             // SAFETY: by this function's contract, and `value` holds no less.
             unsafe {
@@ -108,6 +108,7 @@ impl<V: Growing> Known<V> {
                 std::ptr::copy_nonoverlapping((&raw const value).cast::<u8>(), place, self.struct_size);
             }
         }
+        Ok(())
     }
 }
 

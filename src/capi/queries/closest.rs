@@ -63,12 +63,9 @@ pub unsafe extern "C" fn rayc_octree_closest_points(
         let bounds = memory::listed((0..points.len()).map(bound));
         let mut found = Vec::new();
         tracer.closest_points(&points, &bounds, &mut found);
-        // SAFETY: by this function's contract.
-        unsafe { closest.write_all(found.iter().map(closest_point)) };
-        Ok(())
+        closest.write_all(found.iter().map(closest_point))
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (octree, mesh) = (reading(octree, "octree")?, reading(mesh, "mesh")?);
         let points = Strided::new(reference(points, "points")?, "points")?;
         let bounds = if bounds.is_null() { None } else { Some(slice(bounds, points.count(), "bounds")?) };
@@ -110,12 +107,9 @@ pub unsafe extern "C" fn rayc_octree_winding_numbers(
         tracer.winding_numbers(&read_points::<T>(points)?, &mut counted);
         // Points are finite.
         let counted = memory::tried(counted.into_iter().map(|number| number.ok_or_else(open)))?;
-        // SAFETY: by this function's contract.
-        unsafe { numbers.write_all(counted.into_iter()) };
-        Ok(())
+        numbers.write_all(counted.into_iter())
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (octree, mesh) = (reading(octree, "octree")?, reading(mesh, "mesh")?);
         let points = Strided::new(reference(points, "points")?, "points")?;
         let numbers = Output::array(numbers, points.count(), "numbers")?;

@@ -10,16 +10,15 @@ use crate::query::{Layout, Octree};
 /// The search structure over one mesh's triangles, for one state of its positions.
 ///
 /// Threads: several threads may make calls with a const octree at the same time. The caller frees the octree with
-/// rayc_octree_destroy(), before or after its mesh, and must not use it after that: the library returns
-/// RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to. rayc_mesh_set_positions() makes an octree
-/// stale. Every use of a stale octree is refused until rayc_octree_update().
+/// rayc_octree_destroy(), before or after its mesh. rayc_mesh_set_positions() makes an octree stale. Every use of a
+/// stale octree is refused until rayc_octree_update().
 pub struct rayc_octree {
     pub(super) octree: AnyOctree,
     pub(super) own_exits: AnyOwnExits,
 }
 
 impl Handle for rayc_octree {
-    const KIND: HandleKind = HandleKind::Octree;
+    const KIND: HandleKind = HandleKind::OCTREE;
 }
 
 /// An octree of either precision.
@@ -73,15 +72,12 @@ impl rayc_octree_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_octree_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_octree_options(
     struct_size: usize,
     options: *mut rayc_octree_options,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_defaults(struct_size, options) })
+    guard(|| write_defaults(struct_size, options))
 }
 
 /// Builds the octree of `mesh` for its present positions. options: NULL for the defaults. *octree: the new handle.
@@ -93,8 +89,7 @@ pub unsafe extern "C" fn rayc_octree_create(
     mesh: *const rayc_mesh,
     octree: *mut *mut rayc_octree,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let layout = read_options(options)?.layout()?;
         let mesh = reading(mesh, "mesh")?;
         let place = Output::new(octree, "octree")?;
@@ -106,8 +101,7 @@ pub unsafe extern "C" fn rayc_octree_create(
                 (AnyOctree::F64(Octree::with_layout(mesh, layout)), AnyOwnExits::F64(OwnExits::default()))
             }
         };
-        give(place, rayc_octree { octree, own_exits });
-        Ok(())
+        give(place, rayc_octree { octree, own_exits })
     })
 }
 
@@ -116,8 +110,7 @@ pub unsafe extern "C" fn rayc_octree_create(
 /// Errors: RAYC_STATUS_OCTREE_OF_OTHER_MESH, RAYC_STATUS_PRECISION_MISMATCH.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *const rayc_mesh) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut octree = changing(octree, "octree")?;
         with_precision!(&mut octree.octree, &reading(mesh, "mesh")?.mesh, |octree, mesh| Ok(octree.update(mesh)?))
     })
@@ -126,6 +119,5 @@ pub unsafe extern "C" fn rayc_octree_update(octree: *mut rayc_octree, mesh: *con
 /// Frees an octree; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_octree_destroy(octree: *mut rayc_octree) -> rayc_status {
-    // SAFETY: the handle is the caller's, and is not used again.
-    guard_end(|| unsafe { take_back(octree, "octree") })
+    guard_end(|| take_back(octree, "octree"))
 }

@@ -69,15 +69,10 @@ pub unsafe extern "C" fn rayc_octree_own_exits(
                 text!("there are {} own exits and room for {capacity}; give room for one for each vertex", found.len());
             return Err(Failure::new(rayc_status::RAYC_STATUS_WRONG_COUNT, message));
         }
-        // SAFETY: by this function's contract.
-        unsafe {
-            exits.write_all(found.iter().map(exported));
-            count.write(found.len());
-        }
-        Ok(())
+        exits.write_all(found.iter().map(exported))?;
+        count.write(found.len())
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (mut octree, mesh) = (changing(octree, "octree")?, reading(mesh, "mesh")?);
         let (exits, count) = (Output::array(exits, capacity, "exits")?, Output::new(count, "count")?);
         let rayc_octree { octree, own_exits } = &mut *octree;

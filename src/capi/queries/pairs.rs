@@ -20,8 +20,7 @@ pub unsafe extern "C" fn rayc_query_pair(
     octree_b: *const rayc_octree,
     contacts: *mut rayc_contacts,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let options = read_options(options)?;
         let (a, octree_a) = (reading(a, "a")?, reading(octree_a, "octree_a")?);
         let (b, octree_b) = (reading(b, "b")?, reading(octree_b, "octree_b")?);
@@ -51,8 +50,7 @@ pub unsafe extern "C" fn rayc_query_self(
     octree: *const rayc_octree,
     contacts: *mut rayc_contacts,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let options = read_options(options)?;
         let (mesh, octree) = (reading(mesh, "mesh")?, reading(octree, "octree")?);
         let mut contacts = changing(contacts, "contacts")?;

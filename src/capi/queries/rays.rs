@@ -53,8 +53,7 @@ pub unsafe extern "C" fn rayc_octree_trace_ray(
     ray: *const rayc_ray,
     hit: *mut rayc_hit,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (octree, mesh) = (&glancing(octree, "octree")?.octree, &glancing(mesh, "mesh")?.mesh);
         trace_all(octree, mesh, slice(ray, 1, "ray")?, Output::new(hit, "hit")?)
     })
@@ -72,8 +71,7 @@ pub unsafe extern "C" fn rayc_octree_trace_rays(
     count: usize,
     hits: *mut rayc_hit,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let (octree, mesh) = (reading(octree, "octree")?, reading(mesh, "mesh")?);
         let (rays, hits) = (slice(rays, count, "rays")?, Output::array(hits, count, "hits")?);
         trace_all(&octree.octree, &mesh.mesh, rays, hits)
@@ -88,8 +86,7 @@ unsafe fn trace_all(
     rays: &[rayc_ray],
     hits: Output<rayc_hit>,
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    unsafe { with_precision!(octree, mesh, |octree, mesh| trace_into(octree, mesh, rays, hits)) }
+    with_precision!(octree, mesh, |octree, mesh| trace_into(octree, mesh, rays, hits))
 }
 
 /// So many rays are copied at a time: with their hits they take 30 KB of stack.
@@ -105,12 +102,9 @@ unsafe fn trace_into<T: Scalar>(
 ) -> Result<(), Failure> {
     rays.iter().enumerate().try_for_each(|(index, ray)| check_ray::<T>(index, ray))?;
     let tracer = octree.tracer(mesh)?;
-    // SAFETY: by this function's contract.
-    unsafe {
-        match rays {
-            [ray] => tracer.nearest_hit_of(ray, |hit| hits.write(hit_of(&hit))),
-            _ => trace_many(&tracer, rays, hits),
-        }
+    match rays {
+        [ray] => tracer.nearest_hit_of(ray, |hit| hits.write_from(0, [hit_of(&hit)].into_iter())),
+        _ => trace_many(&tracer, rays, hits),
     }
     Ok(())
 }
@@ -127,8 +121,7 @@ unsafe fn trace_many<T: Scalar>(tracer: &Tracer<T>, rays: &[rayc_ray], hits: Out
         let (chunk, found) = (&mut chunk[..rays.len()], &mut found[..rays.len()]);
         chunk.iter_mut().zip(rays).for_each(|(place, ray)| *place = ray.into());
         tracer.nearest_hits_into(chunk, found);
-        // SAFETY: by this function's contract.
-        unsafe { hits.write_from(number * RAYS_AT_ONCE, found.iter().map(hit_of)) };
+        hits.write_from(number * RAYS_AT_ONCE, found.iter().map(hit_of));
     }
 }
 

@@ -12,8 +12,7 @@ impl<V> Pointers<'_, V> {
     /// # Safety
     /// That of [`slice()`].
     pub(in crate::capi) unsafe fn new(all: *const *mut V, count: usize, name: &str) -> Result<Self, Failure> {
-        // SAFETY: by this function's contract.
-        Ok(Self(unsafe { slice(all, count, name) }?))
+        Ok(Self(slice(all, count, name)?))
     }
 
     pub(in crate::capi) fn of(&self, scene: usize) -> *mut V {
@@ -30,24 +29,18 @@ pub(in crate::capi) unsafe fn for_each_scene(
     statuses: *mut u32,
     call: impl Fn(usize, *mut rayc_scene) -> Result<(), Failure> + Sync,
 ) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    let statuses = unsafe { slice_mut(statuses, scenes.0.len(), "statuses") }?;
+    let statuses = slice_mut(statuses, scenes.0.len(), "statuses")?;
     let Some(&first) = scenes.0.first() else { return Ok(()) };
     let mut threads = Threads::default();
-    // SAFETY: by this function's contract, as below.
-    unsafe { exchange(first, &mut threads) }?;
+    exchange(first, &mut threads)?;
     threads.follow_fork();
     let found = guard_each(&threads, statuses, |place| {
         let (scene, mut own) = (scenes.of(place), Threads::default());
-        // SAFETY: as above.
-        unsafe {
-            exchange(scene, &mut own)?;
-            let found = call(place, scene);
-            exchange(scene, &mut own).and(found)
-        }
+        exchange(scene, &mut own)?;
+        let found = call(place, scene);
+        exchange(scene, &mut own).and(found)
     });
-    // SAFETY: as above.
-    unsafe { exchange(first, &mut threads) }.and(found)
+    exchange(first, &mut threads).and(found)
 }
 
 /// Gives a scene these threads, and takes its own.
@@ -55,8 +48,7 @@ pub(in crate::capi) unsafe fn for_each_scene(
 /// # Safety
 /// That of [`changing`].
 unsafe fn exchange(scene: *mut rayc_scene, threads: &mut Threads) -> Result<(), Failure> {
-    // SAFETY: by this function's contract.
-    let mut scene = unsafe { changing(scene, "scene") }?;
+    let mut scene = changing(scene, "scene")?;
     with_precision!(&mut scene.scene, |scene| scene.exchange_threads(threads));
     Ok(())
 }

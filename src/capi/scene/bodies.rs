@@ -24,8 +24,7 @@ pub unsafe extern "C" fn rayc_scene_create(
     options: *const rayc_scene_options,
     scene: *mut *mut rayc_scene,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let options = read_options(options)?;
         let place = Output::new(scene, "scene")?;
         let precision = scalar_from(options.precision, "precision")?;
@@ -45,8 +44,7 @@ pub unsafe extern "C" fn rayc_scene_create(
             rayc_scalar::RAYC_SCALAR_F32 => AnyScene::F32(new_scene(&options)?),
             rayc_scalar::RAYC_SCALAR_F64 => AnyScene::F64(new_scene(&options)?),
         };
-        give(place, rayc_scene { scene });
-        Ok(())
+        give(place, rayc_scene { scene })
     })
 }
 
@@ -75,13 +73,11 @@ pub unsafe extern "C" fn rayc_scene_add_mesh(
     mesh: *const rayc_mesh,
     body: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let mesh = reading(mesh, "mesh")?;
         let place = Output::new(body, "body")?;
-        place.write(with_precision!(&mut scene.scene, &mesh.mesh, |scene, mesh| scene.add(mesh.clone())));
-        Ok(())
+        place.write(with_precision!(&mut scene.scene, &mesh.mesh, |scene, mesh| scene.add(mesh.clone())))
     })
 }
 
@@ -99,8 +95,7 @@ pub unsafe extern "C" fn rayc_scene_set_positions(
         renew_positions(scene.mesh_mut(body)?, positions)
             .map_err(|failure| Failure { message: text!("body {body}: {}", failure.message).into(), ..failure })
     }
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let positions = Strided::new(reference(positions, "positions")?, "positions")?;
         with_precision!(&mut scene.scene, |scene| set(scene, body, &positions))
@@ -143,8 +138,7 @@ pub struct rayc_pose {
 /// largest number of the scene's precision. The body is then where it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_set_pose(scene: *mut rayc_scene, body: u32, pose: *const rayc_pose) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let rayc_pose { position, rotation } = *reference(pose, "pose")?;
         let pose = Pose { position, rotation };
@@ -165,8 +159,7 @@ pub unsafe extern "C" fn rayc_scene_set_pose(scene: *mut rayc_scene, body: u32, 
 /// Errors: RAYC_STATUS_INVALID_OPTION where seconds is negative or not finite.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe { with_precision!(&mut changing(scene, "scene")?.scene, |scene| Ok(scene.advance(seconds)?)) })
+    guard(|| with_precision!(&mut changing(scene, "scene")?.scene, |scene| Ok(scene.advance(seconds)?)))
 }
 
 /// Removes a body. Its number is refused from here on, and no other body gets it before
@@ -175,17 +168,13 @@ pub unsafe extern "C" fn rayc_scene_advance(scene: *mut rayc_scene, seconds: f64
 /// Errors: RAYC_STATUS_UNKNOWN_BODY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_remove_body(scene: *mut rayc_scene, body: u32) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
-        with_precision!(&mut changing(scene, "scene")?.scene, |scene| Ok(scene.remove(body).map(drop)?))
-    })
+    guard(|| with_precision!(&mut changing(scene, "scene")?.scene, |scene| Ok(scene.remove(body).map(drop)?)))
 }
 
 /// Frees a scene and ends its threads, which have ended when it returns; NULL does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_status {
-    // SAFETY: the handle is the caller's, and is not used again.
-    guard_end(|| unsafe { take_back(scene, "scene") })
+    guard_end(|| take_back(scene, "scene"))
 }
 
 /// Lets the numbers of bodies removed so far be given to new bodies, the smallest first. An array indexed by body
@@ -197,8 +186,7 @@ pub unsafe extern "C" fn rayc_scene_destroy(scene: *mut rayc_scene) -> rayc_stat
 /// Errors: RAYC_STATUS_BUSY, RAYC_STATUS_OUT_OF_MEMORY.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_release_body_numbers(scene: *mut rayc_scene) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         with_precision!(&mut changing(scene, "scene")?.scene, |scene| scene.release_body_numbers());
         Ok(())
     })
@@ -211,8 +199,7 @@ pub unsafe extern "C" fn rayc_scene_release_body_numbers(scene: *mut rayc_scene)
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where is_on is neither 0 nor 1.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_set_self_collision(scene: *mut rayc_scene, body: u32, is_on: u32) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let is_on = flag("is_on", is_on)?;
         with_precision!(&mut scene.scene, |scene| Ok(scene.set_self_collision(body, is_on)?))
@@ -231,8 +218,7 @@ pub unsafe extern "C" fn rayc_scene_set_carrier_spacing(
     body: u32,
     spacing: f64,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         with_precision!(&mut changing(scene, "scene")?.scene, |scene| {
             let spacing = Scalar::of(spacing);
             Ok(scene.mesh_mut(body)?.set_carrier_spacing(spacing)?)

@@ -20,14 +20,13 @@ use crate::scene::Scene;
 ///
 /// Threads: only one call at a time may use a scene, from any thread; calls with a const scene may run at the same
 /// time. Other calls return RAYC_STATUS_BUSY. Different scenes may be used at once. rayc_scene_options says whose
-/// threads do the work. The caller frees the scene with rayc_scene_destroy(), which also ends its threads. Do not use
-/// a scene after that: the library returns RAYC_STATUS_INVALID_HANDLE where it can tell, but does not promise to.
+/// threads do the work. The caller frees the scene with rayc_scene_destroy(), which also ends its threads.
 pub struct rayc_scene {
     pub(super) scene: AnyScene,
 }
 
 impl Handle for rayc_scene {
-    const KIND: HandleKind = HandleKind::Scene;
+    const KIND: HandleKind = HandleKind::SCENE;
 }
 
 /// A scene of either precision.

@@ -59,13 +59,10 @@ impl Options for rayc_scene_options {
 }
 
 /// Fills `options` with the defaults. struct_size: sizeof(rayc_scene_options).
-///
-/// Errors: RAYC_STATUS_INVALID_STRUCT_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_default_scene_options(
     struct_size: usize,
     options: *mut rayc_scene_options,
 ) -> rayc_status {
-    // SAFETY: the caller's struct has the size it says.
-    guard(|| unsafe { write_defaults(struct_size, options) })
+    guard(|| write_defaults(struct_size, options))
 }

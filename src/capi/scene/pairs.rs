@@ -14,8 +14,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
     b: u32,
     is_on: u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let is_on = flag("is_on", is_on)?;
         with_precision!(&mut scene.scene, |scene| Ok(scene.set_pair_collision(a, b, is_on)?))
@@ -30,8 +29,7 @@ pub unsafe extern "C" fn rayc_scene_set_pair_collision(
 /// Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where a and b are the same or allowed is neither.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rayc_scene_allow_escape(scene: *mut rayc_scene, a: u32, b: u32, allowed: u32) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let mut scene = changing(scene, "scene")?;
         let allowed = flag("allowed", allowed)?;
         with_precision!(&mut scene.scene, |scene| Ok(scene.allow_escape(a, b, allowed)?))
@@ -48,10 +46,8 @@ pub unsafe extern "C" fn rayc_scene_may_escape(
     b: u32,
     allowed: *mut u32,
 ) -> rayc_status {
-    // SAFETY: the pointers are the caller's, as documented.
-    guard(|| unsafe {
+    guard(|| {
         let place = Output::new(allowed, "allowed")?;
-        place.write(u32::from(with_precision!(&reading(scene, "scene")?.scene, |scene| scene.may_escape(a, b)?)));
-        Ok(())
+        place.write(u32::from(with_precision!(&reading(scene, "scene")?.scene, |scene| scene.may_escape(a, b)?)))
     })
 }

@@ -1,8 +1,5 @@
 //! What a contact counts: its pressure, its area, and the share of the load that its direction carries.
 
-// Lanes side by side read best, and are best made into SIMD, as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 pub(crate) mod distance;
 pub(crate) mod shares;
 

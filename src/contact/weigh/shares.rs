@@ -5,16 +5,10 @@ use crate::mesh::NormalLanes;
 use crate::simd::{LANE_COUNT, Lanes, Vectors};
 
 /// Unit vectors, each with a weight: the sum of the weights, and how much of it is left when the vectors cancel out.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Turning<T: Scalar> {
     whole: T,
     vector: Vector3<T>,
-}
-
-impl<T: Scalar> Default for Turning<T> {
-    fn default() -> Self {
-        Self { whole: T::zero(), vector: Vector3::zeros() }
-    }
 }
 
 impl<T: Scalar> Turning<T> {
@@ -35,6 +29,7 @@ impl<T: Scalar> Turning<T> {
 }
 
 /// The surface that casts, in sixteen sums.
+#[derive(Default)]
 #[repr(C, align(64))]
 pub(crate) struct CastSurfaceLanes<T: Scalar> {
     area: [T; LANE_COUNT],
@@ -42,11 +37,6 @@ pub(crate) struct CastSurfaceLanes<T: Scalar> {
 }
 
 impl<T: Scalar> CastSurfaceLanes<T> {
-    pub(crate) fn new() -> Self {
-        let zeros = [T::zero(); LANE_COUNT];
-        Self { area: zeros, vector: [zeros; 3] }
-    }
-
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn add<L: Lanes<T>>(&mut self, samples: &NormalLanes<T>) {
         let zero = L::splat(T::zero());

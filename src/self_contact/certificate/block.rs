@@ -1,6 +1,3 @@
-// Lanes side by side read best as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 use crate::bvh::{Bvh, TILE_SIZE};
 use crate::math::Scalar;
 use crate::self_contact::certificate::narrow::{Narrow, Sides};

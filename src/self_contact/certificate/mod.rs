@@ -1,9 +1,6 @@
 //! The certificate that a body touches itself nowhere: pairs of near tiles, each with a clearance, by how much its triangles may
 //! come nearer. It holds while no pair has lapsed, that is, moved by more than its clearance or been strained too much.
 
-// Lanes side by side read best as plain loops over their index.
-#![allow(clippy::needless_range_loop)]
-
 pub(crate) mod block;
 pub(crate) mod descent;
 pub(crate) mod narrow;
@@ -17,12 +14,14 @@ use crate::bvh::{Bvh, TILE_SIZE};
 use crate::math::{Aabb, Scalar, Vector3, length};
 use crate::memory::{self, Room};
 use crate::mesh::Mesh;
+use crate::query::{Octree, Tree};
 use crate::self_contact::certificate::block::{Block, are_apart};
 use crate::self_contact::certificate::descent::Descent;
 use crate::self_contact::certificate::narrow::Narrow;
 use crate::self_contact::certificate::reach::{Lapse, Reach};
 use crate::self_contact::certificate::steep::{FindSteep, MakeNormals, Normals};
 use crate::self_contact::certificate::strain::{FindMoves, MakeRest, Rest};
+use crate::self_contact::near_triangles::sweep;
 use crate::simd::{Kernel, Lanes, Mask, Vectors, dispatch, lanes_of};
 
 /// The tiles that are near each other, and what the search for them needs; kept by the caller, so that a steady step
@@ -53,6 +52,8 @@ pub(crate) struct NearTiles<T: Scalar> {
     /// The tiles of these pairs, and by tile its place among them or [`NO_BLOCK`].
     lapsed_tiles: Vec<u32>,
     block_places: Vec<u32>,
+    /// For the layout without tiles: the triangles' boxes in the order of their lower sides along one axis.
+    sorted: Vec<(Aabb<T>, u32)>,
 }
 
 /// Whether anything is strained in a tile, and in the tiles near it.
@@ -68,25 +69,36 @@ const MOST_STRAINED: f64 = 1.0 / 16.0;
 /// Of a tile in no pair that has lapsed.
 const NO_BLOCK: u32 = u32::MAX;
 
-impl<T: Scalar> Bvh<T> {
-    /// See [`Octree::search_near`](crate::query::Octree).
+impl<T: Scalar> Octree<T> {
+    /// Offers each two triangles that have no vertex in common and are near each other, and perhaps others, and whether both
+    /// are steep. `offer` gives how much nearer they may come, or `None` to end the search. Triangles of which two corners
+    /// are one point are left out: no ray meets them. Gives false where `offer` ended the search or there were too many pairs.
+    ///
+    /// A triangle is steep if a triangle near it faces more than 60° away from it. With a margin, two triangles that are not both
+    /// steep are *sheltered*: they are offered only where they nearly touch. The surface around them is a graph of slopes below
+    /// 60° over a plane, so a path leads from one to the other that is at most twice as long as they are apart. They come no
+    /// nearer than a quarter of their distance while no triangle on the path is strained by more than three eighths, and
+    /// [`find_lapsed`](Self::find_lapsed) holds triangles to less.
     pub(crate) fn search_near(
         &self,
         mesh: &Mesh<T>,
         reach: &Reach<T>,
         near: &mut NearTiles<T>,
-        offer: &mut impl FnMut(u32, u32, bool) -> Option<T>,
+        mut offer: impl FnMut(u32, u32, bool) -> Option<T>,
     ) -> bool {
+        let Tree::Bvh(tree) = &self.tree else {
+            return sweep(mesh, reach.touch, &mut near.sorted, |a, b| offer(a, b, true).is_some());
+        };
         let Reach { touch, margin, most_pairs, .. } = *reach;
         near.sheltered = reach.wide_margin();
         near.surrounding = reach.of_surroundings()[1] - touch;
         let NearTiles { blocks, tile_pairs, clearances, normals, steep, steep_wide, .. } = near;
         let narrow = Narrow::new(mesh);
-        let tiles = 0..self.tile_count();
-        dispatch::<T, _>(MakeBlocks { tree: self, tiles, mesh, is_current: true, narrow, blocks });
+        let tiles = 0..tree.tile_count();
+        dispatch::<T, _>(MakeBlocks { tree, tiles, mesh, is_current: true, narrow, blocks });
         tile_pairs.clear();
         let distance = reach.of_tiles();
-        Descent { tree: self, distance, tile_pairs, most_pairs }.within_all();
+        Descent { tree, distance, tile_pairs, most_pairs }.within_all();
         clearances.clear();
         if tile_pairs.len() > most_pairs {
             tile_pairs.clear();
@@ -94,9 +106,9 @@ impl<T: Scalar> Bvh<T> {
         }
         steep.clear();
         if margin > T::zero() {
-            dispatch::<T, _>(MakeNormals { tree: self, mesh, narrow, normals });
+            dispatch::<T, _>(MakeNormals { tree, mesh, narrow, normals });
             let [distance, wide] = reach.of_surroundings().map(|distance| narrow.distance(distance));
-            let (tree, among, found) = (self, None, &mut *steep_wide);
+            let (tree, among, found) = (tree, None, &mut *steep_wide);
             dispatch::<f32, _>(FindSteep { tree, blocks, normals, tile_pairs, distance: wide, among, steep: found });
             let among = Some(&**steep_wide);
             dispatch::<f32, _>(FindSteep { tree, blocks, normals, tile_pairs, distance, among, steep });
@@ -105,7 +117,7 @@ impl<T: Scalar> Bvh<T> {
             if margin == T::zero() {
                 return margin;
             }
-            let [a, b] = pair.map(|tile| &self.outlines[tile as usize].aabb);
+            let [a, b] = pair.map(|tile| &tree.outlines[tile as usize].aabb);
             let gap = (a.lower - b.upper).sup(&(b.lower - a.upper)).sup(&Vector3::zeros());
             let is_sheltered = pair.iter().any(|&tile| steep_wide[tile as usize] == 0);
             (length(&gap) - touch).max(if is_sheltered { reach.wide_margin() } else { margin })
@@ -122,30 +134,36 @@ impl<T: Scalar> Bvh<T> {
             }
             clearance.is_some()
         };
-        dispatch::<f32, _>(TilePairs { tree: self, blocks, block_of, tile_pairs, close, far, steep, offer })
+        dispatch::<f32, _>(TilePairs { tree, blocks, block_of, tile_pairs, close, far, steep, offer })
     }
 
-    /// See [`Octree::keep`](crate::query::Octree).
+    /// Keeps the positions of a search. `allowed`: by vertex how far the triangles around it may be strained.
     pub(crate) fn keep(&self, mesh: &Mesh<T>, allowed: &[T], near: &mut NearTiles<T>) {
-        dispatch::<T, _>(MakeRest { tree: self, mesh, allowed, rest: &mut near.rest });
+        if let Tree::Bvh(tree) = &self.tree {
+            dispatch::<T, _>(MakeRest { tree, mesh, allowed, rest: &mut near.rest });
+        }
     }
 
-    /// See [`Octree::find_lapsed`](crate::query::Octree).
+    /// Finds the pairs of tiles listed by [`search_near`](Self::search_near) that have *lapsed*: that have come nearer by more
+    /// than they may since positions were kept, or lie where triangles are strained by more than they may be. Finds none, and
+    /// says that all have lapsed, where vertices have moved against each other by more than `most`. A turn of the whole does not
+    /// count. The octree need not follow the mesh.
     pub(crate) fn find_lapsed(&self, mesh: &Mesh<T>, most: T, near: &mut NearTiles<T>) -> Lapse<T> {
+        let Tree::Bvh(tree) = &self.tree else { return Lapse::unknown() };
         let NearTiles { rest, moves, strained, surroundings, lapsed, tile_pairs, clearances, .. } = near;
         let (sheltered, surrounding) = (near.sheltered, near.surrounding);
         lapsed.clear();
-        rest.follow_turn(&self.outlines, mesh);
-        let whole = dispatch::<T, _>(FindMoves { tree: self, mesh, rest, moves, strained });
+        rest.follow_turn(&tree.outlines, mesh);
+        let whole = dispatch::<T, _>(FindMoves { tree, mesh, rest, moves, strained });
         let spread = length(&(whole.upper - whole.lower));
         // Written so that NaN is too much.
         let is_little = spread <= most;
-        if !is_little || strained.len() as f64 > self.tiles.len() as f64 * MOST_STRAINED {
+        if !is_little || strained.len() as f64 > tree.tiles.len() as f64 * MOST_STRAINED {
             return Lapse { spread, part: 1.0 };
         }
         let is_any_strained = !strained.is_empty();
         if is_any_strained {
-            memory::refill_with(surroundings, Surroundings::default(), self.tiles.len());
+            memory::refill_with(surroundings, Surroundings::default(), tree.tiles.len());
             strained.iter().for_each(|&(tile, _)| surroundings[tile as usize].is_strained = true);
             for (&[first, second], &clearance) in tile_pairs.iter().zip(clearances.iter()) {
                 let [first, second] = [first as usize, second as usize];
@@ -175,28 +193,32 @@ impl<T: Scalar> Bvh<T> {
         Lapse { spread, part: lapsed.len() as f64 / tile_pairs.len() as f64 }
     }
 
-    /// See [`Octree::strained`](crate::query::Octree).
+    /// The triangles that [`find_lapsed`](Self::find_lapsed) found strained by more than they may be: they may touch others
+    /// around a common vertex.
     pub(crate) fn strained<'a>(&'a self, near: &'a NearTiles<T>) -> impl Iterator<Item = u32> + 'a {
-        let triangles = |&(tile, mask): &(u32, Mask)| {
-            let triangles = &self.tiles[tile as usize].triangles;
+        let tree = if let Tree::Bvh(tree) = &self.tree { Some(tree) } else { None };
+        let strained = tree.into_iter().flat_map(|tree| near.strained.iter().map(move |of_tile| (tree, of_tile)));
+        strained.flat_map(|(tree, &(tile, mask))| {
+            let triangles = &tree.tiles[tile as usize].triangles;
             lanes_of(mask).map(|place| triangles[place])
-        };
-        near.strained.iter().flat_map(triangles)
+        })
     }
 
-    /// See [`Octree::search_lapsed`](crate::query::Octree). `is_current`: the tiles follow the mesh.
+    /// Offers, from the pairs that [`find_lapsed`](Self::find_lapsed) has found, each two triangles that have no vertex in common
+    /// and whose boxes are at most `distance` apart along every axis, until `offer` gives false. The octree need not follow the
+    /// mesh.
     pub(crate) fn search_lapsed(
         &self,
         mesh: &Mesh<T>,
-        is_current: bool,
         distance: T,
         near: &mut NearTiles<T>,
-        offer: &mut impl FnMut(u32, u32) -> bool,
+        mut offer: impl FnMut(u32, u32) -> bool,
     ) {
+        let Tree::Bvh(tree) = &self.tree else { return };
         let NearTiles { blocks, lapsed, lapsed_tiles, block_places, .. } = near;
         lapsed_tiles.clear();
-        memory::refill_with(block_places, NO_BLOCK, self.tiles.len());
-        lapsed_tiles.room_for(self.tiles.len());
+        memory::refill_with(block_places, NO_BLOCK, tree.tiles.len());
+        lapsed_tiles.room_for(tree.tiles.len());
         for &tile in lapsed.as_flattened() {
             let place = &mut block_places[tile as usize];
             if *place == NO_BLOCK {
@@ -206,12 +228,12 @@ impl<T: Scalar> Bvh<T> {
         }
         let narrow = Narrow::new(mesh);
         let tiles = lapsed_tiles.iter().copied();
-        dispatch::<T, _>(MakeBlocks { tree: self, tiles, mesh, is_current, narrow, blocks });
+        dispatch::<T, _>(MakeBlocks { tree, tiles, mesh, is_current: self.stamp == mesh.stamp(), narrow, blocks });
         let block_of = |tile: u32| block_places[tile as usize] as usize;
         let close = narrow.distance(distance);
         let offer = |_: usize, a: u32, b: u32, _: bool| offer(a, b);
         let (tile_pairs, steep) = (&*lapsed, &[]);
-        dispatch::<f32, _>(TilePairs { tree: self, blocks, block_of, tile_pairs, close, far: close, steep, offer });
+        dispatch::<f32, _>(TilePairs { tree, blocks, block_of, tile_pairs, close, far: close, steep, offer });
     }
 }
 

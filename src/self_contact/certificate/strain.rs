@@ -8,7 +8,7 @@ use crate::simd::{Kernel, Lanes, Mask, Vectors};
 use nalgebra::{Matrix3, UnitQuaternion};
 
 /// A body at the positions of a search, tile by tile.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Rest<T: Scalar> {
     tiles: Vec<RestTile<T>>,
     /// The point that the tiles' positions are relative to.
@@ -22,12 +22,6 @@ struct RestTile<T: Scalar> {
     positions: [[T; TILE_SIZE]; 3],
     /// The factors of the moves of a triangle's two edges in its strain, as a part of the strain that it is allowed.
     factors: [[T; TILE_SIZE]; 3],
-}
-
-impl<T: Scalar> Default for Rest<T> {
-    fn default() -> Self {
-        Self { tiles: Vec::new(), centre: Vector3::zeros(), back: UnitQuaternion::identity() }
-    }
 }
 
 /// A smaller turn, in radians, is not turned back; it counts as strain.

@@ -7,13 +7,19 @@ use std::collections::BTreeSet;
 fn search(
     [tile_margin, margin]: [f64; 2],
     mut offer: impl FnMut(u32, u32, bool) -> f64,
-) -> (Mesh<f64>, Bvh<f64>, NearTiles<f64>) {
+) -> (Mesh<f64>, Octree<f64>, NearTiles<f64>) {
     let (mesh, mut near) = (torus([48, 12]), NearTiles::default());
-    let tree = Bvh::new(&mesh);
+    let octree = Octree::new(&mesh);
+    let tree = tree_of(&octree);
     assert!(tree.nodes.len() > 2 && !tree.nodes[0].is_leaf);
     let reach = Reach { touch: 0.0, margin, tile_margin, most_pairs: usize::MAX };
-    tree.search_near(&mesh, &reach, &mut near, &mut |a, b, is_steep| Some(offer(a, b, is_steep)));
-    (mesh, tree, near)
+    octree.search_near(&mesh, &reach, &mut near, |a, b, is_steep| Some(offer(a, b, is_steep)));
+    (mesh, octree, near)
+}
+
+fn tree_of(octree: &Octree<f64>) -> &Bvh<f64> {
+    let Tree::Bvh(tree) = &octree.tree else { panic!("the default layout") };
+    tree
 }
 
 /// The two places of each pair, the smaller first, in their order.
@@ -32,10 +38,11 @@ fn gaps(tree: &Bvh<f64>, [a, b]: [u32; 2]) -> Vector3<f64> {
 #[test]
 fn the_pairs_of_tiles_are_those_whose_boxes_are_near() {
     for distance in [0.0, 0.03, 0.29, 4.0] {
-        let (_, tree, near) = search([distance, 0.0], |_, _, _| 0.0);
+        let (_, octree, near) = search([distance, 0.0], |_, _, _| 0.0);
+        let tree = tree_of(&octree);
         let count = tree.tiles.len() as u32;
         let all = (0..count).flat_map(|a| (a..count).map(move |b| [a, b]));
-        let expected: Vec<_> = all.filter(|&pair| gaps(&tree, pair).max() <= distance).collect();
+        let expected: Vec<_> = all.filter(|&pair| gaps(tree, pair).max() <= distance).collect();
         assert!(sorted(&near.tile_pairs) == expected, "{distance}");
     }
 }
@@ -50,10 +57,11 @@ fn clearance(a: u32, b: u32) -> f64 {
 #[test]
 fn a_pair_of_tiles_may_come_nearer_by_what_its_triangles_may() {
     let (mut offered, margin) = (Vec::new(), 0.07);
-    let (_, tree, near) = search([0.3, margin], |a, b, is_steep| {
+    let (_, octree, near) = search([0.3, margin], |a, b, is_steep| {
         offered.push((a, b, is_steep));
         clearance(a, b)
     });
+    let tree = tree_of(&octree);
     let mut tile_of = vec![0; tree.tiles.iter().map(|tile| tile.triangles().len()).sum()];
     for (number, tile) in tree.tiles.iter().enumerate() {
         tile.triangles().iter().for_each(|&triangle| tile_of[triangle as usize] = number as u32);
@@ -68,7 +76,7 @@ fn a_pair_of_tiles_may_come_nearer_by_what_its_triangles_may() {
     assert_eq!(near.clearances.len(), near.tile_pairs.len());
     for (&pair, &found) in near.tile_pairs.iter().zip(&near.clearances) {
         let is_sheltered = pair.iter().any(|&tile| near.steep_wide[tile as usize] == 0);
-        let most = gaps(&tree, pair).norm().max(if is_sheltered { 2.0 * margin } else { margin });
+        let most = gaps(tree, pair).norm().max(if is_sheltered { 2.0 * margin } else { margin });
         let key = [pair[0].min(pair[1]), pair[0].max(pair[1])];
         assert_eq!(found, least.get(&key).copied().unwrap_or(most).min(most), "{pair:?}");
     }
@@ -85,9 +93,10 @@ fn change_of_distances(tree: &Bvh<f64>, [a, b]: [u32; 2], [then, now]: [&[Vector
 /// no two have moved against each other by half of it. A turn of the whole does not count.
 #[test]
 fn pairs_lapse_where_vertices_have_moved_against_each_other() {
-    let (mut mesh, tree, mut near) = search([0.3, 0.02], |a, b, _| clearance(a, b));
+    let (mut mesh, octree, mut near) = search([0.3, 0.02], |a, b, _| clearance(a, b));
+    let tree = tree_of(&octree);
     let (then, count) = (mesh.positions().to_vec(), mesh.positions().len());
-    tree.keep(&mesh, &vec![1e3; count], &mut near);
+    octree.keep(&mesh, &vec![1e3; count], &mut near);
     let wave =
         |p: &Vector3<f64>| Vector3::new(0.03 * (3.0 * p.y).sin(), 0.02 * (4.0 * p.z + p.x).cos(), 0.05 * p.x * p.y);
     for turn in [0.0, 0.4, 2.0f64] {
@@ -97,14 +106,14 @@ fn pairs_lapse_where_vertices_have_moved_against_each_other() {
         };
         mesh.set_positions_with(count, |vertex| moved(&then[vertex])).expect("finite");
         // A large turn takes some steps to be followed.
-        (0..4).for_each(|_| assert!(tree.find_lapsed(&mesh, f64::INFINITY, &mut near).part > 0.0));
-        let part = tree.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
+        (0..4).for_each(|_| assert!(octree.find_lapsed(&mesh, f64::INFINITY, &mut near).part > 0.0));
+        let part = octree.find_lapsed(&mesh, f64::INFINITY, &mut near).part;
         assert_eq!(part, near.lapsed.len() as f64 / near.tile_pairs.len() as f64);
         let waves = |tile: u32| tree.outlines[tile as usize].vertices.map(|v| wave(&then[v as usize]));
         let (mut far, mut calm) = (0, 0);
         for (&[a, b], &allowed) in near.tile_pairs.iter().zip(&near.clearances) {
             let has_lapsed = near.lapsed.contains(&[a, b]);
-            let is_far = change_of_distances(&tree, [a, b], [&then, mesh.positions()]) > allowed;
+            let is_far = change_of_distances(tree, [a, b], [&then, mesh.positions()]) > allowed;
             let (of_a, of_b) = (waves(a), waves(b));
             let is_calm = of_a.iter().all(|a| of_b.iter().all(|b| (a - b).norm() <= 0.5 * allowed));
             assert!(if has_lapsed { !is_calm } else { !is_far }, "{turn}: {a}, {b}, {allowed}");
@@ -122,9 +131,10 @@ fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
     let (allowed, margin) = (0.3, 0.02);
     let mut strained_ways = 0;
     for way in 0..40 {
-        let (mut mesh, tree, mut near) = search([0.3, margin], |_, _, _| 1.0);
+        let (mut mesh, octree, mut near) = search([0.3, margin], |_, _, _| 1.0);
+        let tree = tree_of(&octree);
         let (then, count) = (mesh.positions().to_vec(), mesh.positions().len());
-        tree.keep(&mesh, &vec![allowed; count], &mut near);
+        octree.keep(&mesh, &vec![allowed; count], &mut near);
         let vertex = 13 * way as usize;
         let by = Vector3::from_fn(|axis, _| 0.04 * (way as f64 * (axis as f64 + 1.3)).sin());
         mesh.set_positions_with(count, |v| if v == vertex { then[v] + by } else { then[v] }).expect("finite");
@@ -139,8 +149,8 @@ fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
         let around = mesh.topology().triangles_around(vertex as u32).iter().copied();
         let mut expected: Vec<u32> = around.filter(|&triangle| strain(triangle) > allowed).collect();
         expected.sort();
-        tree.find_lapsed(&mesh, f64::INFINITY, &mut near);
-        let mut told: Vec<u32> = tree.strained(&near).collect();
+        octree.find_lapsed(&mesh, f64::INFINITY, &mut near);
+        let mut told: Vec<u32> = octree.strained(&near).collect();
         told.sort();
         assert_eq!(told, expected, "vertex {vertex}");
         strained_ways += u32::from(!expected.is_empty());
@@ -152,13 +162,13 @@ fn what_is_near_a_triangle_strained_by_more_than_it_may_be_has_lapsed() {
         };
         let strained: BTreeSet<u32> = expected.iter().map(tile_of).collect();
         let to_strained = |tile: u32| {
-            let gaps_to = strained.iter().map(|&other| gaps(&tree, [tile, other]).norm());
+            let gaps_to = strained.iter().map(|&other| gaps(tree, [tile, other]).norm());
             gaps_to.fold(f64::INFINITY, f64::min)
         };
         let path = |[a, b]: [u32; 2]| to_strained(a) + to_strained(b);
         for (&pair, &clearance) in near.tile_pairs.iter().zip(&near.clearances) {
             let is_moved = pair.iter().any(|&tile| tree.outlines[tile as usize].vertices.contains(&(vertex as u32)));
-            let is_far = change_of_distances(&tree, pair, [&then, mesh.positions()]) > clearance;
+            let is_far = change_of_distances(tree, pair, [&then, mesh.positions()]) > clearance;
             let must = is_far || clearance <= 2.0 * margin && path(pair) <= 4.0 * margin;
             let may = is_moved || path(pair) <= 8.0 * margin;
             let has_lapsed = near.lapsed.contains(&pair);

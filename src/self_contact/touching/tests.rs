@@ -187,7 +187,7 @@ fn a_tip_touches_what_it_is_near_to() {
         for (layout, margin) in [(Layout::Bvh, 0.0), (Layout::Bvh, 0.5), (Layout::PaperOctree, 0.0)] {
             let (octree, mut touching) = (Octree::with_layout(&mesh, layout), Touching::default());
             touching.reset(&mesh);
-            touching.search_pairs(&octree, &mesh, &within(&mesh, margin), &mut NearPairs::default());
+            touching.search_pairs(&octree, &mesh, &within(&mesh, margin), &mut NearTiles::default());
             touching.pairs.sort();
             let expected: &[[u32; 2]] = if is_touching { &[[0, 4], [0, 5], [0, 6]] } else { &[] };
             assert_eq!((touching.pairs.as_slice(), touching.any), (expected, is_touching), "{gap:e} {layout:?}");
@@ -201,7 +201,7 @@ fn a_tip_touches_what_it_is_near_to() {
 #[test]
 fn a_tip_may_come_as_near_as_it_does_not_touch() {
     let mut mesh = tip_above_face(10.0 * TOUCH);
-    let (mut octree, mut touching, mut near) = (Octree::new(&mesh), Touching::default(), NearPairs::default());
+    let (mut octree, mut touching, mut near) = (Octree::new(&mesh), Touching::default(), NearTiles::default());
     touching.reset(&mesh);
     touching.search_pairs(&octree, &mesh, &within(&mesh, 20.0 * TOUCH), &mut near);
     // Strain shall not tell.
