@@ -49,7 +49,7 @@ count() {
     say "$1, $2, $3: $found"
     echo "$1,$2,$3,$found" >>"$measured"
 }
-for workload in stack2 stack10 pair80x40 deep80; do
+for workload in stack2 stack10 pair80x40 deep80 boxes; do
     for mode in paper default; do
         printf '%s\n' "$workload $mode avx2" "$workload $mode baseline"
     done

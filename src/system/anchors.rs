@@ -139,15 +139,7 @@ impl Anchors {
         let triangles = &self.triangles[of_pair.clone()];
         let start = of_pair.start + triangles.partition_point(|&other| other < triangle);
         let end = start + self.triangles[start..of_pair.end].partition_point(|&other| other == triangle);
-        let of_triangle = &self.kept[start..end];
-        // Mostly a contact starts where one did before.
-        let same = of_triangle.partition_point(|anchor| compare(&anchor.from.weights, &from.weights).is_lt());
-        let distance =
-            |anchor: &Anchor| -> f64 { (0..3).map(|k| (anchor.from.weights[k] - from.weights[k]).powi(2)).sum() };
-        let nearest =
-            || (0..of_triangle.len()).min_by(|&a, &b| distance(&of_triangle[a]).total_cmp(&distance(&of_triangle[b])));
-        let is_same = of_triangle.get(same).is_some_and(|anchor| anchor.from.weights == from.weights);
-        let before = if is_same { Some(start + same) } else { nearest().map(|nearest| start + nearest) };
+        let before = nearest(&self.kept[start..end], &from.weights).map(|nearest| start + nearest);
         self.searched = Some((key, of_pair));
         self.pending.room_for(1).push(Pending { key, triangle, from, on, before });
         (self.pending.len() - 1, before.map(|before| self.kept[before]))
@@ -212,6 +204,22 @@ impl Anchors {
     }
 }
 
+/// The nearest of the anchors of one triangle, and the first of several. They come in the order of their first weights, so those
+/// before and behind the point are looked at until by these alone they are farther. Mostly the first one is where the contact is.
+fn nearest(anchors: &[Anchor], weights: &[f64; 3]) -> Option<usize> {
+    let place = anchors.partition_point(|anchor| compare(&anchor.from.weights, weights).is_lt());
+    let mut nearest: Option<(f64, usize)> = None;
+    let mut look = |index: usize| {
+        let apart = [0, 1, 2].map(|k| (anchors[index].from.weights[k] - weights[k]).powi(2));
+        let found = (apart.iter().sum(), index);
+        let best = *nearest.insert(nearest.filter(|nearest| *nearest <= found).unwrap_or(found));
+        best.0 > 0.0 && apart[0] <= best.0
+    };
+    (place..anchors.len()).all(&mut look);
+    (0..place).rev().all(&mut look);
+    nearest.map(|(_, index)| index)
+}
+
 fn compare(a: &[f64; 3], b: &[f64; 3]) -> Ordering {
     a.iter().zip(b).fold(Ordering::Equal, |order, (a, b)| order.then(a.total_cmp(b)))
 }
@@ -245,4 +253,45 @@ pub(super) fn sorted(vertices: [u32; 3], weights: [f64; 3]) -> AnchorPoint {
     let mut order = [0, 1, 2];
     order.sort_unstable_by_key(|&k: &usize| vertices[k]);
     AnchorPoint { vertices: order.map(|k| vertices[k]), weights: order.map(|k| weights[k]), height: 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::loads::Surface;
+
+    fn anchor(weights: [f64; 3]) -> Anchor {
+        let from = AnchorPoint { vertices: [0, 1, 2], weights, height: 0.0 };
+        Anchor { key: (0, Surface::Body(1)), triangle: 0, from, hold: Hold::Space(V3::zeros()) }
+    }
+
+    /// All pairs of points of a grid, as halved triangles have them, and points beside them. The judge looks at every anchor.
+    #[test]
+    fn the_nearest_anchor_is_that_of_all() {
+        let point = |i: u32, j: u32, aside: f64| {
+            let [b, c] = [i, j].map(|k| f64::from(k) / 8.0 + aside);
+            [1.0 - b - c, b, c]
+        };
+        let grid: Vec<[f64; 3]> = (0..9).flat_map(|i| (0..9 - i).map(move |j| point(i, j, 0.0))).collect();
+        for (left_out, aside) in (1..9).flat_map(|left_out| [0.0, 0.03, 0.0625].map(|aside| (left_out, aside))) {
+            let mut anchors: Vec<Anchor> = grid
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| k % left_out != 1)
+                .map(|(_, &weights)| anchor(weights))
+                .collect();
+            // Some twice: the first of them is to be found.
+            anchors.extend_from_within(..anchors.len() / 3);
+            anchors.sort_by(in_order);
+            for i in 0..9 {
+                let weights = point(i, 3 * i % (9 - i), aside);
+                let distance = |anchor: &Anchor| -> f64 {
+                    anchor.from.weights.iter().zip(weights).map(|(a, b)| (a - b).powi(2)).sum()
+                };
+                let judge = (0..anchors.len()).min_by(|&a, &b| distance(&anchors[a]).total_cmp(&distance(&anchors[b])));
+                assert_eq!(nearest(&anchors, &weights), judge, "{left_out}, {aside}, {i}");
+            }
+        }
+        assert_eq!(nearest(&[], &[0.2, 0.3, 0.5]), None);
+    }
 }
