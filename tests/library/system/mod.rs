@@ -1,6 +1,7 @@
 //! The contact system against closed forms, finite differences and the laws of motion.
 
 mod bodies;
+mod card_house;
 mod carriers;
 #[allow(dead_code)] // the program energy uses more of it
 mod closed;
