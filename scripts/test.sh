@@ -1,17 +1,18 @@
 #!/usr/bin/env bash
-# Installs what is missing, then runs every check of the repository. Stops at the first that fails.
+# Installs what is missing, then runs every check of the repository, two at a time. Stops where one fails.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 usage() {
     cat <<END
 usage: scripts/test.sh [--long]
 
-Runs, in this order: cargo fmt --check, cargo clippy with warnings as errors, cargo test (release), the pages of the Rust
-library, the oracle with 1e5 queries, a few sizes of the programs that measure forces, the table of docs/stability.md, the
-instructions of a step, the hash of all results, the manual as one site, the versions that the library is made of, random
-inputs for a minute, 2000 steps of self-collision, the Python package as its wheel installs it, the benchmark of deep contact
-without its peers, the C and C++ tests with the packages and Doxygen's manual (cmake --workflow --preset test), and the command
-lines of all programs. Missing Debian packages are installed first, and MuJoCo is fetched. Some twenty minutes on two cores.
+Runs, in this order: cargo fmt --check, cargo test (release), the oracle with 1e5 queries, a few sizes of the programs that
+measure forces, the table of docs/stability.md, the instructions of a step, the hash of all results, 2000 steps of
+self-collision, the Python package as its wheel installs it, the benchmark of deep contact without its peers, the C and C++
+tests with the packages and Doxygen's manual (cmake --workflow --preset test), and the command lines of all programs. Beside
+them go cargo clippy with warnings as errors, the pages of the Rust library, the manual as one site, the versions that the
+library is made of, and random inputs for a minute; what these print comes at the end. Missing Debian packages are installed
+first, and MuJoCo is fetched. Some twenty minutes on two cores.
 With --long the oracle asks 1e7 queries, the hash is made in a debug build too, the distributed tests run on every number of
 ranks, self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked, the
 sanitizers run over everything, and the page of all measurements is made anew and tested in Chromium.
@@ -55,9 +56,24 @@ check() {
 check 'packages' scripts/setup.sh
 check 'MuJoCo' scripts/mujoco.sh
 check 'formatting' cargo fmt --check
-check 'lints' cargo clippy --all-targets --locked -- -D warnings
+
+# The compiler often leaves a core idle, so what does not build in target/release goes on beside the rest.
+beside() {
+    local passed=()
+    check 'lints' cargo clippy --all-targets --locked -- -D warnings
+    check 'Rust manual' env RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
+    check 'manual' scripts/manual.sh
+    check 'supply chain' scripts/supply_chain.sh "${supply_chain[@]}"
+    # The same changes in every run, so that no run fails by chance; other seeds are tried apart from this.
+    check 'fuzzing' scripts/fuzz.sh --seconds 10 --seed 1
+    printf '%s\n' "${passed[@]}"
+}
+printed="$(mktemp)"
+beside >"$printed" 2>&1 &
+others=$!
+trap 'kill "$others" 2>/dev/null || true; rm -f "$printed"' EXIT
+
 check 'Rust tests' cargo test --release --locked
-check 'Rust manual' env RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 measure=(cargo run --release --locked --quiet --example measure --)
 check 'oracle' "${measure[@]}" oracle --queries "$queries" --seed 1
 check 'Figure 8' "${measure[@]}" figure8 "${figure8[@]}"
@@ -65,16 +81,15 @@ check 'convergence' "${measure[@]}" convergence "${convergence[@]}"
 check 'failure table' "${measure[@]}" poses --failures --count 20
 check 'instructions' scripts/instructions.sh
 check 'hashes' scripts/hashes.sh "${hashes[@]}"
-check 'manual' scripts/manual.sh
-check 'supply chain' scripts/supply_chain.sh "${supply_chain[@]}"
-# The same changes in every run, so that no run fails by chance; other seeds are tried apart from this.
-check 'fuzzing' scripts/fuzz.sh --seconds 10 --seed 1
 check 'self-collision' "${measure[@]}" self_collision "${self_collision[@]}"
 check 'Python' scripts/python.sh
 check 'penetration' scripts/penetration.sh --check
 check 'CMake' cmake --preset test -DRAYCONTACT_LONG_TESTS=$long
 check 'C, C++ tests' cmake --workflow --preset test
 check 'command lines' scripts/command_lines.sh
+say 'Beside these'
+wait "$others" || { cat "$printed" >&2 && fail 'one of these FAILED, see above'; }
+cat "$printed"
 if [[ $long == true ]]; then
     check 'sanitizers' scripts/sanitize.sh
     check 'page' scripts/report.sh --test
