@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
-"""What Material.elastic is for: two blocks of corotated tetrahedra in a column, squeezed to half of its height."""
+"""What Material.elastic is for: two blocks of corotated tetrahedra in a column, squeezed to half of its height or set free."""
+
+from dataclasses import replace
 
 import numpy as np
 import raycontact
@@ -110,3 +112,23 @@ def test_soft_blocks_in_a_column_do_not_sink_into_one_another():
     assert column.depth() < 0.002
     turned = np.linalg.det(edges_of(column.x, column.tetrahedra) @ column.inverse)
     assert turned.min() > 0
+
+
+def energy_set_free(damping_time):
+    """The most energy of motion (J) of two blocks that start a fifth of their height in one another, held by nothing."""
+    material = raycontact.Material.elastic(YOUNG, POISSON, SIZE / CELLS)
+    column = Column(replace(material, damping_time=damping_time))
+    column.x[column.half :, 2] -= SIZE / 5
+    column.held[:] = column.moved[:] = False
+    column.system.set_node_masses(column.mass)
+    most = 0.0
+    for _ in range(20):
+        column.step(0.0)
+        most = max(most, (column.mass @ column.v**2).sum() / 2)
+    return most
+
+
+def test_blocks_set_free_part_the_gentler_the_longer_the_damping_time():
+    by_default, gently = energy_set_free(0.05), energy_set_free(0.2)
+    print(f"energy of motion: {by_default:.2f} J at 0.05 s, {gently:.2f} J at 0.2 s")
+    assert 0.1 < gently < 0.7 < by_default < 2.5
