@@ -105,7 +105,7 @@ impl<T: Scalar> SidesScratch<T> {
             return;
         }
         let (way_out, length) = way_out(region, mesh.aabb());
-        let (mut packet, mut list) = (RayPacket::default(), Candidates::new());
+        let (mut packet, mut list) = (RayPacket::empty(), Candidates::new());
         let touched = [[NEAR; LANE_COUNT]; 3];
         for points in self.points.chunks(LANE_COUNT) {
             let mut rays = [Ray { origin: points[0], direction: way_out, t_max: length }; LANE_COUNT];
@@ -152,7 +152,7 @@ impl<'a, T: Scalar> Sides<'a, T> {
     fn new(scratch: &'a mut SidesScratch<T>) -> Self {
         scratch.parts.clear();
         scratch.points.clear();
-        let leaves = [(LeafBoxes::default(), 0); LEAVES_KEPT];
+        let leaves = [(LeafBoxes::empty(), 0); LEAVES_KEPT];
         Sides { scratch, leaves, points: [[NEAR; CHILD_COUNT]; LEAVES_KEPT], next: 0 }
     }
 
@@ -290,7 +290,7 @@ impl<T: Scalar, L: Lanes<T>> Visitor<T, L> for Meeting<'_, T, L> {
 }
 
 /// The boxes of a leaf's tiles, as far as they lie in a region, and a little larger.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 #[repr(C, align(64))]
 struct LeafBoxes<T: Scalar> {
     lower: [[T; CHILD_COUNT]; 3],
@@ -298,9 +298,14 @@ struct LeafBoxes<T: Scalar> {
 }
 
 impl<T: Scalar> LeafBoxes<T> {
+    fn empty() -> Self {
+        let zeros = [[T::zero(); CHILD_COUNT]; 3];
+        Self { lower: zeros, upper: zeros }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new<L: Lanes<T>>(leaf: &Node<T>, region: &Aabb<T>, larger: T) -> Self {
-        let mut boxes = Self::default();
+        let mut boxes = Self::empty();
         let [lower, upper] = leaf.corners::<L>();
         let larger = Vectors::splat(&Vector3::repeat(larger));
         lower.sub(larger).larger(Vectors::splat(&region.lower)).store(&mut boxes.lower);

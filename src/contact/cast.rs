@@ -37,7 +37,7 @@ impl<T: Scalar> Kernel<T> for Cast<'_, T> {
         let Self { kind, direction, starts, statistics, contacts, vertices, crossings } = self;
         let Direction { pair, side } = *direction;
         let mut sampler = Sampler::new::<L>(pair.tracers[side], pair.region, starts, vertices);
-        let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::default());
+        let (mut samples, mut rays, mut surface) = (sampler.packet(), Rays::new(), CastSurfaceLanes::new());
         let mut tracing = Tracing { kind, direction, statistics, contacts, crossings };
         // Packets are filled by a small function and traced in one loop, because the code inlined into the loop is large.
         while sampler.fill::<L>(&mut samples) {

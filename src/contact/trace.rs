@@ -14,10 +14,10 @@ pub(crate) struct Rays<T: Scalar> {
 impl<T: Scalar> Rays<T> {
     pub(crate) fn new() -> Self {
         Self {
-            packet: RayPacket::default(),
+            packet: RayPacket::empty(),
             candidates: Candidates::new(),
-            hits: PacketHits::default(),
-            distances: PointDistances::default(),
+            hits: PacketHits::empty(),
+            distances: PointDistances::new(),
         }
     }
 }

@@ -9,13 +9,6 @@ pub struct Aabb<T: Scalar> {
     pub upper: Vector3<T>,
 }
 
-/// [`Aabb::empty`].
-impl<T: Scalar> Default for Aabb<T> {
-    fn default() -> Self {
-        Self::empty()
-    }
-}
-
 impl<T: Scalar> Aabb<T> {
     /// The box that holds nothing.
     pub fn empty() -> Self {

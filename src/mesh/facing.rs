@@ -81,7 +81,7 @@ mod tests {
 
         fn run<L: Lanes<T>>(self) -> Self::Output {
             let mut all = Vec::new();
-            let (mut normals, mut alone) = (NormalLanes::default(), NormalLanes::default());
+            let (mut normals, mut alone) = (NormalLanes::empty(), NormalLanes::empty());
             for some in self.0.topology().surface_vertices().chunks(LANE_COUNT) {
                 let Facing { along, against } = self.0.facing::<L>(some, &mut normals);
                 self.0.vertex_normals::<L>(some, &mut alone);

@@ -3,7 +3,7 @@ use crate::math::{Scalar, Vector3, direction, length, margins};
 use crate::simd::{LANE_COUNT, Lanes, Lists, Mask, Vectors, lanes_of, set_lane};
 
 /// Sixteen points with their normals, coordinate by coordinate.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(crate) struct NormalLanes<T: Scalar> {
@@ -17,6 +17,14 @@ pub(crate) struct NormalLanes<T: Scalar> {
     pub(crate) found: Mask,
     /// Which normals are known to face outward from each triangle around them.
     pub(crate) outward: Mask,
+}
+
+impl<T: Scalar> NormalLanes<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        let neighbours = [[0; LANE_COUNT]; 2];
+        Self { found: 0, outward: 0, position: [zeros; 3], normal: [zeros; 3], area: zeros, neighbours }
+    }
 }
 
 /// A visitor of the triangles around sixteen vertices side by side, in their order around each vertex.

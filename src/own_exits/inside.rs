@@ -81,7 +81,7 @@ impl Starts {
     fn choose<T: Scalar, L: Lanes<T>>(&mut self, tracer: &Tracer<'_, T>, vertices: &[u32]) {
         self.along_axes.iter_mut().flatten().for_each(Vec::clear);
         self.inward.clear();
-        let (mesh, mut lanes) = (tracer.mesh(), NormalLanes::default());
+        let (mesh, mut lanes) = (tracer.mesh(), NormalLanes::empty());
         for (number, some) in vertices.chunks(LANE_COUNT).enumerate() {
             let Facing { along, against } = mesh.facing::<L>(some, &mut lanes);
             for lane in 0..some.len() {
@@ -136,7 +136,7 @@ impl<T: Scalar> Kernel<T> for CastAll<'_, '_, T> {
     fn run<L: Lanes<T>>(self) {
         let Self { cast: Cast { tracer, vertices, crossings, found }, way, starts } = self;
         let mesh = tracer.mesh();
-        let (mut lanes, mut packet) = (NormalLanes::default(), RayPacket::default());
+        let (mut lanes, mut packet) = (NormalLanes::empty(), RayPacket::empty());
         let (mut list, mut numbers) = (Candidates::new(), [0; LANE_COUNT]);
         if let Some((axis, side)) = way {
             lanes.normal[axis] = [if side == 1 { -T::one() } else { T::one() }; LANE_COUNT];

@@ -102,7 +102,7 @@ impl<T: Scalar> Tracer<'_, T> {
 }
 
 /// How far up to sixteen points are from a surface, and scratch memory for finding out.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct PointDistances<T: Scalar> {
     packet: PointPacket<T>,
     /// Whether `packet` holds the answers: the points were asked about together.
@@ -112,6 +112,11 @@ pub(crate) struct PointDistances<T: Scalar> {
 }
 
 impl<T: Scalar> PointDistances<T> {
+    pub(crate) fn new() -> Self {
+        let (packet, nearest) = (PointPacket::empty(), PacketPoints::empty());
+        Self { packet, are_of_packet: false, distances: [T::zero(); LANE_COUNT], nearest }
+    }
+
     /// The triangle that a lane's distance is to, where it was found within the bound.
     pub(crate) fn triangle(&self, lane: usize) -> Option<u32> {
         (self.are_of_packet && self.packet.found >> lane & 1 == 1).then(|| self.packet.triangle[lane])
@@ -119,7 +124,7 @@ impl<T: Scalar> PointDistances<T> {
 }
 
 /// The nearest points on the triangles that the search for a packet has found.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct PacketPoints<T: Scalar> {
     points: TrianglePoints<T>,
     /// By lane the places of its triangle's corners, in ascending order of their vertices.
@@ -127,6 +132,10 @@ struct PacketPoints<T: Scalar> {
 }
 
 impl<T: Scalar> PacketPoints<T> {
+    fn empty() -> Self {
+        Self { points: TrianglePoints::empty(), places: [[0; 3]; LANE_COUNT] }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn set<L: Lanes<T>>(&mut self, mesh: &Mesh<T>, packet: &PointPacket<T>, factors: [T; 2]) {
         // Lanes without a triangle take the first one.
@@ -224,7 +233,7 @@ impl<T: Scalar, S: Sought> Kernel<T> for ClosestPoints<'_, '_, T, S> {
     fn run<L: Lanes<T>>(self) {
         let mesh = self.tracer.mesh();
         let scale = MeshScale::new(mesh.aabb());
-        let (mut packet, mut nearest) = (PointPacket::default(), PacketPoints::default());
+        let (mut packet, mut nearest) = (PointPacket::empty(), PacketPoints::empty());
         let blocks = self.points.chunks(BLOCK).zip(self.bounds.chunks(BLOCK));
         for ((points, bounds), found) in blocks.zip(self.found.chunks_mut(BLOCK)) {
             for places in PointOrder::new(points).places().chunks(LANE_COUNT) {

@@ -229,7 +229,7 @@ impl<T: Scalar> Kernel<T> for NearestHits<'_, '_, T> {
             }
             return;
         }
-        let (mut packet, mut list, mut found) = (RayPacket::default(), Candidates::new(), PacketHits::default());
+        let (mut packet, mut list, mut found) = (RayPacket::empty(), Candidates::new(), PacketHits::empty());
         for (rays, hits) in self.rays.chunks(LANE_COUNT).zip(self.hits.chunks_mut(LANE_COUNT)) {
             packet.set_rays::<L>(rays);
             self.tracer.nearest_of_packet::<L>(&packet, &mut list, &mut found);
@@ -253,7 +253,7 @@ impl<T: Scalar> Kernel<T> for LeaveBeforeEnd<'_, '_, T> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
-        let (mut packet, mut list) = (RayPacket::default(), Candidates::new());
+        let (mut packet, mut list) = (RayPacket::empty(), Candidates::new());
         let all_touched = self.touched.chunks(LANE_COUNT);
         for ((rays, some_touched), found) in
             self.rays.chunks(LANE_COUNT).zip(all_touched).zip(self.found.chunks_mut(LANE_COUNT))

@@ -76,7 +76,7 @@ impl<T: Scalar> Kernel<T> for WindingNumbers<'_, '_, T> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run<L: Lanes<T>>(self) {
         let Self { tracer, points, numbers } = self;
-        let (mut packet, mut list, mut crossings) = (RayPacket::default(), Candidates::new(), Vec::new());
+        let (mut packet, mut list, mut crossings) = (RayPacket::empty(), Candidates::new(), Vec::new());
         for (points, numbers) in points.chunks(BLOCK).zip(numbers.chunks_mut(BLOCK)) {
             let order = PointOrder::new(points);
             let is_in_box = |&&place: &&u32| tracer.mesh().aabb().contains(&points[place as usize]);
@@ -134,7 +134,7 @@ mod tests {
         type Output = Vec<i32>;
 
         fn run<L: Lanes<T>>(self) -> Vec<i32> {
-            let mut packet = RayPacket::default();
+            let mut packet = RayPacket::empty();
             let (mut list, mut crossings, mut all) = (Candidates::new(), Vec::new(), Vec::new());
             for direction in self.directions {
                 for vertices in self.vertices.chunks(LANE_COUNT) {

@@ -137,7 +137,7 @@ impl<T: Scalar, L: Lanes<T>> NearTriangles<T, L> {
 }
 
 /// The nearest points of sixteen triangles, each to a point of its own.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(crate) struct TrianglePoints<T: Scalar> {
@@ -148,6 +148,11 @@ pub(crate) struct TrianglePoints<T: Scalar> {
 }
 
 impl<T: Scalar> TrianglePoints<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { weights: [zeros; 3], position: [zeros; 3], distance: zeros }
+    }
+
     /// [`TrianglePoint::resolved`](crate::triangle::TrianglePoint::resolved) in every lane, to the bit. The points are scaled.
     /// The corners, in ascending order of their vertices, are not.
     #[cfg_attr(not(debug_assertions), inline(always))]

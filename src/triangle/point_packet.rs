@@ -3,7 +3,7 @@ use crate::simd::{LANE_COUNT, Lanes, Mask, Vectors, lanes_of, set_lane, vector_i
 use crate::triangle::query_point::{MeshScale, QueryPoint, margin_per_half_reach};
 
 /// Up to sixteen points side by side, seen in one scale, and for each the nearest triangle so far.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(crate) struct PointPacket<T: Scalar> {
@@ -43,6 +43,29 @@ pub(crate) struct PointPacket<T: Scalar> {
 const TILES_TO_TELL: u32 = 64;
 
 impl<T: Scalar> PointPacket<T> {
+    pub(crate) fn empty() -> Self {
+        let (zero, zeros) = (T::zero(), [T::zero(); LANE_COUNT]);
+        let centre = QueryPoint { position: Vector3::zeros(), factor: zero, inverse: zero, margin: zero };
+        Self {
+            position: [zeros; 3],
+            square: zeros,
+            limit: zeros,
+            cylinder_limit: zeros,
+            margin: zeros,
+            from_centre: zeros,
+            triangle: [0; LANE_COUNT],
+            present: 0,
+            found: 0,
+            centre,
+            centre_limit: zero,
+            around: Aabb::empty(),
+            greatest_limit: zero,
+            looks: [0; 2],
+            tile_bounds: [zeros; LANE_COUNT],
+            squares: [zeros; LANE_COUNT],
+        }
+    }
+
     /// Takes up to sixteen points and their bounds. False where they cannot be asked about together: one is far away, or
     /// not finite, or a bound is NaN or negative.
     #[cfg_attr(not(debug_assertions), inline(always))]

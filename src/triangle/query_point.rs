@@ -38,7 +38,7 @@ pub(crate) fn margin_per_half_reach<T: Scalar>(factor: T) -> T {
 }
 
 /// A point made ready to be held against the triangles of one mesh.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct QueryPoint<T: Scalar> {
     /// The point, scaled.
     pub(crate) position: Vector3<T>,

@@ -5,7 +5,7 @@ use crate::triangle::ray::Ray;
 use crate::triangle::watertight::ShearedRay;
 
 /// Up to sixteen rays side by side, each made ready for boxes and for the watertight triangle test.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(crate) struct RayPacket<T: Scalar> {
@@ -23,6 +23,20 @@ pub(crate) struct RayPacket<T: Scalar> {
 }
 
 impl<T: Scalar> RayPacket<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self {
+            present: 0,
+            origin: [zeros; 3],
+            direction: [zeros; 3],
+            t_max: zeros,
+            inverse: [zeros; 3],
+            turned_origin: [zeros; 3],
+            shear: [zeros; 3],
+            axes: [0; LANE_COUNT],
+        }
+    }
+
     /// Prepares the rays one by one, with the same bits: some of them are not finite.
     #[cold]
     fn prepare_one_by_one(&mut self) {

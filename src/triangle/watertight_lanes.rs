@@ -7,7 +7,7 @@ use crate::triangle::watertight::{ShearedRay, intersect_projected};
 
 /// The corners of sixteen triangles, each with the ray to be tested against it: coordinate by coordinate, in the order
 /// of the ray's own axes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(crate) struct TriangleLanes<T: Scalar> {
@@ -17,7 +17,7 @@ pub(crate) struct TriangleLanes<T: Scalar> {
 }
 
 /// Hits of sixteen rays with a triangle each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(crate) struct HitLanes<T: Scalar> {
@@ -29,7 +29,19 @@ pub(crate) struct HitLanes<T: Scalar> {
     pub(crate) exits: Mask,
 }
 
+impl<T: Scalar> HitLanes<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { found: 0, exits: 0, t: zeros, weights: [zeros; 3] }
+    }
+}
+
 impl<T: Scalar> TriangleLanes<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [[T::zero(); LANE_COUNT]; 3];
+        Self { corners: [zeros; 3], origin: zeros, shear: zeros }
+    }
+
     /// Takes the rays of a packet, given by their lanes, and a triangle for each.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn set<L: Lanes<T>>(

@@ -49,7 +49,7 @@ mod tests {
         let rays: Vec<_> = (0..LANE_COUNT)
             .map(|lane| Ray::new(Vector3::new(4.0, 0.0, 0.0), if lane % 2 == 0 { out } else { into }))
             .collect();
-        let mut packet = RayPacket::default();
+        let mut packet = RayPacket::empty();
         packet.set_rays::<<f64 as crate::simd::HasLanes>::Baseline>(&rays);
         let mut end = [9.0; LANE_COUNT];
         (end[2], end[4]) = (1.9, 2.1);

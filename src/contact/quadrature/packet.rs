@@ -30,7 +30,7 @@ pub(crate) struct KnownDistances<T> {
 impl<T: Scalar> SamplePacket<T> {
     pub(crate) fn new(are_vertices: bool) -> Self {
         Self {
-            lanes: NormalLanes::default(),
+            lanes: NormalLanes::empty(),
             are_vertices,
             indices: [0; LANE_COUNT],
             weights: [[T::zero(); LANE_COUNT]; 3],

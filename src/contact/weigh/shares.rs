@@ -29,7 +29,6 @@ impl<T: Scalar> Turning<T> {
 }
 
 /// The surface that casts, in sixteen sums.
-#[derive(Default)]
 #[repr(C, align(64))]
 pub(crate) struct CastSurfaceLanes<T: Scalar> {
     area: [T; LANE_COUNT],
@@ -37,6 +36,11 @@ pub(crate) struct CastSurfaceLanes<T: Scalar> {
 }
 
 impl<T: Scalar> CastSurfaceLanes<T> {
+    pub(crate) fn new() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { area: zeros, vector: [zeros; 3] }
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn add<L: Lanes<T>>(&mut self, samples: &NormalLanes<T>) {
         let zero = L::splat(T::zero());

@@ -45,8 +45,8 @@ pub(crate) struct Candidates<T: Scalar> {
 impl<T: Scalar> Candidates<T> {
     pub(crate) fn new() -> Self {
         Self {
-            lanes: TriangleLanes::default(),
-            hits: HitLanes::default(),
+            lanes: TriangleLanes::empty(),
+            hits: HitLanes::empty(),
             room: [[T::zero(); LANE_COUNT]; 3],
             most_listed: MOST_LISTED,
             tiles: [0; ROOM_FOR_TILES + LANE_COUNT],

@@ -3,7 +3,7 @@ use crate::simd::{LANE_COUNT, Mask};
 use crate::triangle::Hit;
 
 /// Where each ray of a packet meets a mesh first.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 // Whole rows of sixteen lie on lines of the cache.
 #[repr(C, align(64))]
 pub(crate) struct PacketHits<T: Scalar> {
@@ -17,6 +17,11 @@ pub(crate) struct PacketHits<T: Scalar> {
 }
 
 impl<T: Scalar> PacketHits<T> {
+    pub(crate) fn empty() -> Self {
+        let zeros = [T::zero(); LANE_COUNT];
+        Self { found: 0, exits: 0, triangle: [0; LANE_COUNT], t: zeros, weights: [zeros; 3] }
+    }
+
     /// The hit of one ray, if it has one.
     pub(crate) fn get(&self, lane: usize) -> Option<Hit<T>> {
         (self.found >> lane & 1 == 1).then(|| self.hit(lane))

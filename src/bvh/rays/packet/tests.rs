@@ -24,8 +24,8 @@ impl<T: Scalar> Kernel<T> for Asked<'_, T> {
     type Output = Answers<T>;
 
     fn run<L: Lanes<T>>(self) -> Self::Output {
-        let (mut packet, mut list) = (RayPacket::default(), Candidates::listing(self.most_listed));
-        let (mut found, mut hits, mut all_hidden) = (PacketHits::default(), Vec::new(), Vec::new());
+        let (mut packet, mut list) = (RayPacket::empty(), Candidates::listing(self.most_listed));
+        let (mut found, mut hits, mut all_hidden) = (PacketHits::empty(), Vec::new(), Vec::new());
         for (rays, touched) in self.rays.chunks(LANE_COUNT).zip(self.touched.chunks(LANE_COUNT)) {
             packet.set_rays::<L>(rays);
             self.tree.nearest::<L>(self.mesh, &packet, &mut list, &mut found);
