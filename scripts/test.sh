@@ -43,9 +43,18 @@ case "${1:-}" in
 esac
 
 passed=()
+others=''
+
+# Ends where what goes on beside has failed.
+look_beside() {
+    kill -0 "$others" 2>/dev/null && return
+    wait "$others" || { cat "$printed" >&2 && fail 'what went on beside FAILED, see above'; }
+    others=''
+}
 
 # check <name> <command>...
 check() {
+    [[ -z $others ]] || look_beside
     local name="$1" start=$SECONDS
     shift
     say "$name: $*"
@@ -71,7 +80,7 @@ beside() {
 printed="$(mktemp)"
 beside >"$printed" 2>&1 &
 others=$!
-trap 'kill "$others" 2>/dev/null || true; rm -f "$printed"' EXIT
+trap 'kill $others 2>/dev/null || true; rm -f "$printed"' EXIT
 
 check 'Rust tests' cargo test --release --locked
 measure=(cargo run --release --locked --quiet --example measure --)
@@ -87,8 +96,10 @@ check 'penetration' scripts/penetration.sh --check
 check 'CMake' cmake --preset test -DRAYCONTACT_LONG_TESTS=$long
 check 'C, C++ tests' cmake --workflow --preset test
 check 'command lines' scripts/command_lines.sh
-say 'Beside these'
-wait "$others" || { cat "$printed" >&2 && fail 'one of these FAILED, see above'; }
+while [[ -n $others ]]; do
+    sleep 1
+    look_beside
+done
 cat "$printed"
 if [[ $long == true ]]; then
     check 'sanitizers' scripts/sanitize.sh

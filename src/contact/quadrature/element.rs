@@ -158,16 +158,16 @@ impl<T: Scalar> Element<T> {
         let last = pieces.len() - 1;
         let [a, b, c] = pieces[last].corners.positions.each_ref().map(|corner| frame.local(corner));
         let vector = (b - a).cross(&(c - a)) * T::of(0.5);
-        let lies_beside = !Aabb::of_triangle(&[a, b, c]).overlaps(&frame.region);
-        let area = if lies_beside { T::zero() } else { length(&vector) };
-        if !(area > T::zero()) {
+        let overlaps = Aabb::of_triangle(&[a, b, c]).overlaps(&frame.region);
+        let area = if overlaps { length(&vector) } else { T::zero() };
+        if area > T::zero() {
+            let centre = (a + b + c) / T::of(3.0);
+            let farthest = [a, b, c].iter().fold(T::zero(), |most, corner| most.max((corner - centre).norm_squared()));
+            let extent = Extent::Piece(last as u32);
+            elements.room_for(1).push(Self::new(body, extent, area, vector, centre, farthest.sqrt()));
+        } else {
             pieces.truncate(last);
-            return;
         }
-        let centre = (a + b + c) / T::of(3.0);
-        let farthest = [a, b, c].iter().fold(T::zero(), |most, corner| most.max((corner - centre).norm_squared()));
-        let extent = Extent::Piece(last as u32);
-        elements.room_for(1).push(Self::new(body, extent, area, vector, centre, farthest.sqrt()));
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
