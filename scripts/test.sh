@@ -10,9 +10,9 @@ Runs, in this order: cargo fmt --check, cargo test (release), the oracle with 1e
 measure forces, the table of docs/stability.md, the instructions of a step, the hash of all results, 2000 steps of
 self-collision, the Python package as its wheel installs it, the benchmark of deep contact without its peers, the C and C++
 tests with the packages and Doxygen's manual (cmake --workflow --preset test), and the command lines of all programs. Beside
-them go cargo clippy with warnings as errors, the pages of the Rust library, the manual as one site, the versions that the
-library is made of, and random inputs for a minute; what these print comes at the end. Missing Debian packages are installed
-first, and MuJoCo is fetched. Some twenty minutes on two cores.
+them go clippy with warnings as errors, the pages of the Rust library, the manual as one site, the versions that the library is
+made of, and random inputs for a minute; what these print comes at the end. Missing Debian packages are installed first, and
+MuJoCo is fetched. Some twenty minutes on two cores.
 With --long the oracle asks 1e7 queries, the hash is made in a debug build too, the distributed tests run on every number of
 ranks, self-collision takes 1e5 steps, forces are measured at every size, as in docs/accuracy.md, licences are checked, the
 sanitizers run over everything, and the page of all measurements is made anew and tested in Chromium.
