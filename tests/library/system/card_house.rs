@@ -68,7 +68,7 @@ fn a_house_of_cards_stands() {
 }
 
 #[test]
-#[ignore = "takes a quarter of an hour"]
+#[ignore = "takes half an hour"]
 fn a_house_of_cards_stands_for_a_minute() {
     let cases = [1e-4, 2e-4, 5e-4].into_iter().flat_map(|sink| [1.0 / 60.0, 1.0 / 240.0].map(|dt| (sink, dt)));
     let ways = cases.map(|(sink, dt)| [LARGE, SMALL].map(|edges| creep(edges, sink, 0.5, dt, 60.0)));
