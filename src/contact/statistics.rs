@@ -48,11 +48,12 @@ pub struct Statistics {
     pub crowded_pairs: u64,
     /// Pairs that have no contacts since one of the two is tangled and meets the other's rays nearly everywhere.
     pub tangled_pairs: u64,
-    /// Pairs of which a point lies deeper in the other body than the volume of one of the two over its area.
+    /// Pairs of which a point lies deeper in the other body than the volume of one of the two over its area; none with
+    /// [`Sampling::Vertices`](crate::contact::Sampling::Vertices). A contact system counts bodies in half-spaces too.
     pub deep_pairs: u64,
     /// By what fraction of its net force a pair was allowed to be off, the most of all pairs sampled by accuracy, else 0.
     pub error_asked: f64,
-    /// By what fraction of its net force a pair is expected to be off, the most of all pairs. An estimate, not a bound.
+    /// By what fraction of its net force a pair is expected to be off, the most of all: an estimate that may exceed what was asked.
     pub error_estimated: f64,
 }
 

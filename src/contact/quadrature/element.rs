@@ -151,8 +151,7 @@ impl<T: Scalar> Element<T> {
         }
     }
 
-    /// Adds the last of the pieces, or removes it where it has no area or lies beside the overlap box. Coarse bodies have many
-    /// such pieces, so they are made where they stay.
+    /// Adds the last of the pieces, made where it stays, or removes it where it has no area or lies beside the overlap box.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_last_piece(body: u8, frame: &Frame<T>, pieces: &mut Vec<Piece<T>>, elements: &mut Vec<Self>) {
         let last = pieces.len() - 1;
