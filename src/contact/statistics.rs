@@ -53,7 +53,7 @@ pub struct Statistics {
     pub deep_pairs: u64,
     /// By what fraction of its net force a pair was allowed to be off, the most of all pairs sampled by accuracy, else 0.
     pub error_asked: f64,
-    /// By what fraction of its net force a pair is thought to be off, the most of all: an estimate that may exceed what was asked.
+    /// By what fraction of its net force a pair may be off, the most of all: an estimate, at times more than was asked.
     pub error_estimated: f64,
 }
 
