@@ -3,8 +3,9 @@
 mod common;
 
 use common::shapes;
-use raycontact::contact::ContactList;
+use raycontact::contact::{ContactList, DetectionOptions, Sampling};
 use raycontact::scene::Scene;
+use raycontact::system::{Carriers, ContactSystem, Material, RigidUnknowns};
 use raycontact::threads::ParallelFor;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -105,5 +106,68 @@ fn threads_have_ended_when_the_scene_is_dropped() {
         drop(scene);
         // Linux wakes who waits for a thread's end before it takes the thread off its list.
         assert!(becomes_true(|| pool_threads(last) == 0), "the last thread never ended");
+    }
+}
+
+/// Velocities after products of a step of two deep tori whose vertices are nodes, and of one whose other body is rigid; the
+/// judge is the matrix block by block.
+fn products(mut scene: Scene<f64>, is_rigid: bool) -> Vec<f64> {
+    scene.set_options(DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() });
+    let torus = shapes::torus(128, 64, 0.4);
+    let other = torus.turned(0.3, 0.2).moved([0.1, 0.05, 0.3]);
+    for shape in [&torus, &other] {
+        scene.add(shape.mesh());
+    }
+    let mut positions = torus.positions.as_flattened().to_vec();
+    let own = positions.len() as u32 / 3;
+    let material = Material { stiffness: 1e5, damping_time: 0.01, friction: 0.5, depth_cap: 0.01, restitution: 0.0 };
+    let mut system = ContactSystem::new(RigidUnknowns::Kept);
+    if !is_rigid {
+        positions.extend_from_slice(other.positions.as_flattened());
+    }
+    system.set_node_masses(&vec![1e-3; positions.len() / 3]).expect("they are masses");
+    system.add_deformable(&scene, 0, 0..own, Carriers::Nodes, material).expect("it is new");
+    if is_rigid {
+        let inertia = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        system.add_rigid(&scene, 1, 1.0, inertia, material).expect("it is new");
+    } else {
+        system.add_deformable(&scene, 1, own..2 * own, Carriers::Nodes, material).expect("it is new");
+    }
+    let (at_rest, count) = (vec![0.0; positions.len()], system.unknown_count());
+    system.begin(&mut scene, 0.01, &positions, &at_rest, &at_rest).expect("the step begins");
+    let change: Vec<f64> = (0..count).map(|k| (k as f64).sin()).collect();
+    let mut found = vec![0.0; count];
+    for factor in [0.5, 2.0] {
+        system.add_product(factor, &change, &mut found).expect("a step is under way");
+    }
+    let mut judge = vec![0.0; count];
+    let add = |row: usize, column: usize, block: [f64; 9]| {
+        (0..9).for_each(|k| judge[3 * row + k / 3] += block[k] * change[3 * column + k % 3]);
+    };
+    system.for_each_block(2.5, add).expect("a step is under way");
+    let largest = judge.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let error = judge.iter().zip(&found).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(error < 1e-12 * largest && largest > 0.0, "{error} of {largest}");
+    // Else threads do not share it.
+    assert!(system.contacts().len() > 4000, "{} contacts", system.contacts().len());
+    found
+}
+
+#[test]
+fn products_do_not_depend_on_whose_threads_work() {
+    for is_rigid in [false, true] {
+        let expected = products(Scene::new(1).expect("no thread is started"), is_rigid);
+        for threads in [2, 5] {
+            let scene = Scene::new(threads).expect("the threads start");
+            assert_eq!(products(scene, is_rigid), expected, "{threads} threads");
+        }
+        let host = Arc::new(Host::default());
+        let of_query = {
+            let mut scene = Scene::with_host_threads(host.clone());
+            contacts_in(&mut scene, 2, true);
+            host.calls.swap(0, Ordering::SeqCst)
+        };
+        assert_eq!(products(Scene::with_host_threads(host.clone()), is_rigid), expected, "the host's threads");
+        assert!(host.calls.load(Ordering::SeqCst) >= of_query + 2, "the host was asked for products too");
     }
 }

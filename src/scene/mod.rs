@@ -29,7 +29,7 @@ use broad_phase::BroadPhase;
 use list::List;
 use own_contacts::OwnContacts;
 use pairs::{Pairs, by_number};
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 /// Bodies, and what is needed to find all contacts among them.
 ///
@@ -69,6 +69,11 @@ impl<T: Scalar> Scene<T> {
     /// An empty scene with default options that works on the host's threads.
     pub fn with_host_threads(host: Arc<dyn ParallelFor>) -> Self {
         Self { threads: Threads::of_host(host), ..Self::default() }
+    }
+
+    /// The host's threads, if it lends them, for what follows a query.
+    pub(crate) fn lent_threads(&self) -> Option<Weak<dyn ParallelFor>> {
+        self.threads.helpers().lent()
     }
 
     /// Works with these threads from here on, and puts its former ones in their place.

@@ -1,19 +1,16 @@
-//! The rows' matrix on rigid bodies, assembled: among these, and between these and nodes. Each body has two blocks of unknowns.
+//! The blocks of the rows' matrix between nodes and rigid bodies.
 
 use super::lines::Lines;
 use super::row::{RigidEnd, Row, Spring};
 use super::twist::V3;
 use crate::memory::{self, Room};
-use nalgebra::{Matrix3, Matrix6, Vector6};
 
 /// The force on a node for each of the six velocities of a rigid body, in N s/m and N s.
 type Columns = [V3; 6];
 
-/// The blocks of the matrix that involve rigid bodies, for rows that push. Bodies are named by their index among the rigid ones.
+/// The blocks of springs that are in the matrix on nodes. Bodies are named by their index among the rigid ones.
 #[derive(Debug, Default)]
 pub(super) struct RigidCoupling {
-    /// JᵀDJ between two bodies.
-    among: Vec<((usize, usize), Matrix6<f64>)>,
     /// The rigid ends of the springs in the matrix on nodes: body, spring, and which of its ends; by body.
     ends: Vec<(usize, u32, usize)>,
     /// Each body that shares springs with nodes, and where its blocks end.
@@ -26,42 +23,6 @@ pub(super) struct RigidCoupling {
 }
 
 impl RigidCoupling {
-    /// Assembles the blocks among rigid bodies.
-    pub(super) fn gather(&mut self, rows: &[Row]) {
-        let among = &mut self.among;
-        among.clear();
-        for row in rows.iter().filter(|row| row.linear.pushes) {
-            let stiffness = stiffness(&row.direction, row.linear.normal, row.linear.tangential);
-            for a in row.rigid.iter().flatten() {
-                for b in row.rigid.iter().flatten() {
-                    let key = (a.index, b.index);
-                    let index = among.binary_search_by_key(&key, |(key, _)| *key).unwrap_or_else(|index| {
-                        among.room_for(1).insert(index, (key, Matrix6::zeros()));
-                        index
-                    });
-                    among[index].1 += between(a, &stiffness, b);
-                }
-            }
-        }
-    }
-
-    /// Calls `use_number(row, column, number)` with the numbers of the matrix among rigid bodies, each once.
-    pub(super) fn for_each_number(&self, mut use_number: impl FnMut(usize, usize, f64)) {
-        for ((a, b), block) in &self.among {
-            for (row, column) in (0..36).map(|k| (k / 6, k % 6)) {
-                use_number(6 * a + row, 6 * b + column, block[(row, column)]);
-            }
-        }
-    }
-
-    /// Adds `scale` times the product of the matrix among rigid bodies.
-    pub(super) fn add_among(&self, twists: &[f64], scale: f64, result: &mut [f64]) {
-        for ((a, b), block) in &self.among {
-            let loads = block * Vector6::from_column_slice(&twists[6 * b..6 * b + 6]);
-            result[6 * a..6 * a + 6].iter_mut().zip(&loads).for_each(|(sum, load)| *sum += scale * load);
-        }
-    }
-
     /// Finds the blocks of these springs between nodes and rigid bodies, without their numbers; gives how many.
     pub(super) fn find_blocks(
         &mut self,
@@ -167,25 +128,6 @@ impl RigidCoupling {
     }
 }
 
-/// The derivative of a row's force by its slip.
-fn stiffness(direction: &V3, normal: f64, tangential: f64) -> Matrix3<f64> {
-    let outer = direction * direction.transpose();
-    outer * normal + (Matrix3::identity() - outer) * tangential
-}
-
-/// J of the one end, transposed, times the stiffness times J of the other.
-fn between(a: &RigidEnd, stiffness: &Matrix3<f64>, b: &RigidEnd) -> Matrix6<f64> {
-    let [left, right] = [a, b].map(|end| end.arm.cross_matrix());
-    let upper = stiffness * (a.sign * b.sign);
-    let turned = -upper * right;
-    let mut block = Matrix6::zeros();
-    block.fixed_view_mut::<3, 3>(0, 0).copy_from(&upper);
-    block.fixed_view_mut::<3, 3>(0, 3).copy_from(&turned);
-    block.fixed_view_mut::<3, 3>(3, 0).copy_from(&(left * upper));
-    block.fixed_view_mut::<3, 3>(3, 3).copy_from(&(left * turned));
-    block
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,6 +135,7 @@ mod tests {
     use crate::system::row::LinearForce;
     use crate::system::rows::{Rows, Velocities};
     use crate::system::twist::Inertia;
+    use nalgebra::{Matrix3, Matrix6};
 
     const NODES: usize = 9;
     const BODIES: usize = 3;
@@ -252,7 +195,8 @@ mod tests {
         let [mut nodes, mut loads] = [vec![0.0; 3 * NODES], vec![0.0; 6 * BODIES]];
         rows.forget_products();
         rows.add_product(of, 0.7, &mut nodes, &mut loads);
-        assert!(rows.coupling.bodies.len() == BODIES && rows.apart.count() > 0);
+        let [chunk] = &rows.chunks[..] else { panic!("{} chunks", rows.chunks.len()) };
+        assert!(chunk.coupling.bodies.len() == BODIES && chunk.apart.count() > 0);
         assert_near(&nodes, &on_nodes);
         assert_near(&loads, &on_rigid);
     }

@@ -25,11 +25,13 @@ pub(super) struct Lines {
 impl Lines {
     pub(super) fn find(&mut self, springs: &[Spring], all: &[Entry], node_count: usize) {
         let Self { nodes, entries, ends, of_node, .. } = self;
-        memory::refill_with(of_node, u32::MAX, node_count);
+        if of_node.len() == node_count {
+            nodes.iter().for_each(|&node| of_node[node as usize] = u32::MAX);
+        } else {
+            memory::refill_with(of_node, u32::MAX, node_count);
+        }
         nodes.clear();
-        nodes.room_for(node_count);
         entries.clear();
-        entries.room_for(all.len());
         ends.clear();
         ends.room_for(springs.len());
         for spring in springs {
@@ -37,9 +39,9 @@ impl Lines {
                 let line = &mut of_node[entry.node as usize];
                 if *line == u32::MAX {
                     *line = nodes.len() as u32;
-                    nodes.push(entry.node);
+                    nodes.room_for(1).push(entry.node);
                 }
-                entries.push(Entry { node: *line, ..*entry });
+                entries.room_for(1).push(Entry { node: *line, ..*entry });
             }
             ends.push(entries.len() as u32);
         }

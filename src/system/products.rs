@@ -1,8 +1,8 @@
 //! Products of the rows' matrix with a change of the velocities. A solve asks for tens of them per linearisation, so their data
 //! is packed first.
 
-use super::matrix::is_short;
 use super::row::{Entry, Row, Slip, Spring};
+use super::row_chunk::RowChunk;
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::{V3, at};
 use crate::memory::{self, Room};
@@ -13,7 +13,7 @@ impl Rows {
         self.are_listed = false;
         self.are_packed = false;
         self.products.linearise();
-        self.coupling.gather(&self.rows);
+        self.rigid_matrix.gather(&self.rows);
     }
 
     /// Lists the springs, unless that is done. It waits for the first product: after the last linearisation there may be none.
@@ -44,7 +44,7 @@ impl Rows {
     /// Adds `scale` · Jᵀ D J · change to `nodes` and `twists`: the opposite of the forces that a change of the velocities adds.
     pub(super) fn add_product(&mut self, change: Velocities<'_>, scale: f64, nodes: &mut [f64], twists: &mut [f64]) {
         self.start_product(change.nodes);
-        self.coupling.add_among(change.twists, scale, twists);
+        self.rigid_matrix.add_product(change.twists, scale, twists);
         self.add_to_rigid(scale, twists);
         self.finish_product(change.twists, scale, nodes);
     }
@@ -65,39 +65,34 @@ impl Rows {
     /// Starts with the change of the nodes' velocities alone.
     fn start_product(&mut self, nodes: &[f64]) {
         self.products.add_one();
-        if !self.are_packed {
-            self.pack(nodes.len() / 3);
+        let is_packed = std::mem::replace(&mut self.are_packed, false);
+        if !is_packed {
+            self.list_springs();
+            RowChunk::divide(&mut self.chunks, &self.springs, self.rows.len());
         }
-        self.lines.start_product(nodes);
-        self.matrix.add_product(&mut self.lines);
-        self.apart.start_product(&mut self.lines);
+        let Self { rows, entries, springs, chunks, products, host, .. } = self;
+        let products = products.expected();
+        RowChunk::for_each(host, chunks, |chunk| {
+            if !is_packed {
+                chunk.pack(rows, entries, springs, nodes.len() / 3, products);
+            }
+            chunk.start_product(nodes);
+        });
+        self.are_packed = true;
     }
 
     fn finish_product(&mut self, twists: &[f64], scale: f64, nodes: &mut [f64]) {
-        self.apart.finish_product(&self.rows, twists, &mut self.lines);
-        self.coupling.add_to_lines(twists, &mut self.lines);
-        self.lines.finish_product(scale, nodes);
+        let Self { rows, chunks, host, .. } = self;
+        if !twists.is_empty() {
+            RowChunk::for_each(host, chunks, |chunk| chunk.add_twists(rows, twists));
+        }
+        // In order, so that sums do not depend on threads.
+        chunks.iter().for_each(|chunk| chunk.lines.finish_product(scale, nodes));
     }
 
     /// Adds `scale` times the loads of rows on rigid bodies by the change of the nodes' velocities alone.
     fn add_to_rigid(&self, scale: f64, loads: &mut [f64]) {
-        self.coupling.add_to_rigid(&self.lines, scale, loads);
-        self.apart.add_to_rigid(&self.rows, scale, loads);
-    }
-
-    /// Packs the springs for products, in the matrix or row by row.
-    fn pack(&mut self, nodes: usize) {
-        self.list_springs();
-        let Self { rows, entries, springs, lines, matrix, apart, coupling, products, .. } = self;
-        lines.find(springs, entries, nodes);
-        let is_assembled = matrix.assemble(springs, rows, lines, products.expected(), coupling);
-        apart.clear(springs.len());
-        for (spring, index) in springs.iter().zip(0..) {
-            if !(is_assembled && is_short(spring)) {
-                apart.add(spring, lines.range(index));
-            }
-        }
-        self.are_packed = true;
+        self.chunks.iter().for_each(|chunk| chunk.add_to_rigid(&self.rows, scale, loads));
     }
 
     fn entries_of(&self, spring: &Spring) -> &[Entry] {

@@ -1,15 +1,16 @@
 //! One row for each contact, and the sums over all of them.
 
-use super::coupling::RigidCoupling;
-use super::lines::Lines;
-use super::matrix::{NodeMatrix, ProductCount};
+use super::matrix::ProductCount;
 use super::motions::Motions;
+use super::rigid_matrix::RigidMatrix;
 use super::row::{Entry, RigidEnd, Row, Slip, Spring};
-use super::row_by_row::RowByRow;
+use super::row_chunk::RowChunk;
 use super::twist::{Factor, Inertia, V3, angular, at, linear};
 use crate::math::margins;
 use crate::memory::{self, Room};
+use crate::threads::ParallelFor;
 use nalgebra::Matrix3;
+use std::sync::Weak;
 
 /// All rows, with their entries in one list: a contact may act on any number of nodes.
 #[derive(Debug, Default)]
@@ -26,11 +27,11 @@ pub(crate) struct Rows {
     pub(super) are_listed: bool,
     /// Whether the springs are packed for products since then, and as what.
     pub(super) are_packed: bool,
-    pub(super) lines: Lines,
-    pub(super) matrix: NodeMatrix,
-    pub(super) apart: RowByRow,
-    pub(super) coupling: RigidCoupling,
+    pub(super) chunks: Vec<RowChunk>,
+    pub(super) rigid_matrix: RigidMatrix,
     pub(super) products: ProductCount,
+    /// Threads that the host lends for products.
+    pub(super) host: Option<Weak<dyn ParallelFor>>,
     /// Of each rigid body, along the world's axes.
     pub(super) masses: Vec<Inertia>,
     /// The matrix of the rigid bodies, where they are eliminated.
@@ -192,7 +193,7 @@ impl Rows {
             }
         }
         let system = &mut self.system;
-        self.coupling.for_each_number(|row, column, number| system.add(row, column, number * dt));
+        self.rigid_matrix.for_each_number(|row, column, number| system.add(row, column, number * dt));
         let (row, pivot) = self.system.factor();
         // The fraction of an answer that rounding may make wrong. Each correction leaves this fraction of the error.
         let wrong = margins::margin::<f64>(margins::ELIMINATED_PART) / pivot;

@@ -108,6 +108,7 @@ impl<T: Scalar> ContactSystem<T> {
     pub(super) fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
         self.move_surfaces(scene, time, false)?;
         scene.query(&mut self.contacts);
+        self.rows.host = scene.lent_threads();
         Ok(())
     }
 

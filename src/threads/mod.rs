@@ -10,7 +10,7 @@ use std::fmt;
 use std::mem;
 use std::num::NonZeroUsize;
 use std::process;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread::{Builder, JoinHandle, available_parallelism};
 
 /// Threads that a host lends.
@@ -52,6 +52,11 @@ impl Helpers {
     /// Whether there are any.
     pub(crate) fn are_there(&self) -> bool {
         !matches!(self, Self::Nobody)
+    }
+
+    /// The host's threads, if it lends them, for as long as the scene is there.
+    pub(crate) fn lent(&self) -> Option<Weak<dyn ParallelFor>> {
+        if let Self::Host(host) = self { Some(Arc::downgrade(host)) } else { None }
     }
 
     /// Who helps with so many items, and who within each of them: nobody where items are enough. A host is never asked from

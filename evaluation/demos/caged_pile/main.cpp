@@ -62,7 +62,7 @@ double median(std::vector<double> numbers) {
 }
 
 int run(const Options& options) {
-  caged::Engine engine(static_cast<uint32_t>(options.threads));
+  caged::Engine engine(static_cast<int>(options.threads));
   if (options.spacing > 0) engine.set_sampling(RAYC_SAMPLING_SPACING, options.spacing);
   if (options.accuracy > 0) engine.set_sampling(RAYC_SAMPLING_ACCURACY, options.accuracy);
   fill_room(options, engine);

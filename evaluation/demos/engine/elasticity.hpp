@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "team.hpp"
+
 namespace caged {
 
 using Vector = std::array<double, 3>;
@@ -68,45 +70,33 @@ class Elasticity {
     elements_.push_back(e);
   }
 
+  /** All elements of a body have been added. */
+  void end_body() { bodies_.push_back(elements_.size()); }
+
   /** Forces at positions, and the matrix for products, with the elements' rotations there. */
-  void linearise(const Numbers& x, Numbers& forces) {
+  void linearise(const Numbers& x, Numbers& forces, const Team& team) {
     if (starts_.size() != x.size() / 3 + 1) find_places(x.size() / 3);
     std::fill(values_.begin(), values_.end(), Matrix{});
-    for (std::size_t number = 0; number < elements_.size(); ++number) {
-      Element& e = elements_[number];
-      turn(e, x);
-      std::array<Vector, 4> n, way;
-      for (std::size_t i = 0; i < 4; ++i) {
-        n[i] = product(e.turned, e.gradients[i]);
-        const Vector from = product(e.turned, e.rest[i]);
-        for (std::size_t k = 0; k < 3; ++k) way[i][k] = x[3 * e.nodes[i] + k] - from[k];
-      }
-      for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < 4; ++j) {
-          Matrix& block = values_[places_[16 * number + 4 * i + j]];
-          const double straight = e.volume * e.shear * dot(n[i], n[j]);
-          for (std::size_t r = 0; r < 3; ++r)
-            for (std::size_t c = 0; c < 3; ++c) {
-              const double value =
-                  e.volume * (e.bulk * n[i][r] * n[j][c] + e.shear * n[j][r] * n[i][c]) + (r == c ? straight : 0);
-              block[r][c] += value;
-              forces[3 * e.nodes[i] + r] -= value * way[j][c];
-            }
-        }
-    }
+    // Bodies share no nodes.
+    team(bodies_.size(), [&](std::size_t body) {
+      const std::size_t begin = body == 0 ? 0 : bodies_[body - 1];
+      for (std::size_t number = begin; number < bodies_[body]; ++number) add_element(number, x, forces);
+    });
   }
 
   /** result += factor * K * change. */
-  void add_product(double factor, const Numbers& change, Numbers& result) const {
-    for (std::size_t row = 0; row + 1 < starts_.size(); ++row) {
-      Vector sum{};
-      for (std::size_t b = starts_[row]; b < starts_[row + 1]; ++b) {
-        const double* v = &change[3 * columns_[b]];
-        for (std::size_t k = 0; k < 3; ++k)
-          sum[k] += values_[b][k][0] * v[0] + values_[b][k][1] * v[1] + values_[b][k][2] * v[2];
+  void add_product(double factor, const Numbers& change, Numbers& result, const Team& team) const {
+    team.for_ranges(result.size() / 3, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) {
+        Vector sum{};
+        for (std::size_t b = starts_[row]; b < starts_[row + 1]; ++b) {
+          const double* v = &change[3 * columns_[b]];
+          for (std::size_t k = 0; k < 3; ++k)
+            sum[k] += values_[b][k][0] * v[0] + values_[b][k][1] * v[1] + values_[b][k][2] * v[2];
+        }
+        for (std::size_t k = 0; k < 3; ++k) result[3 * row + k] += factor * sum[k];
       }
-      for (std::size_t k = 0; k < 3; ++k) result[3 * row + k] += factor * sum[k];
-    }
+    });
   }
 
   /** The matrix's own numbers on its diagonal. */
@@ -124,6 +114,29 @@ class Elasticity {
     Matrix turned;
     double volume, shear, bulk;
   };
+
+  void add_element(std::size_t number, const Numbers& x, Numbers& forces) {
+    Element& e = elements_[number];
+    turn(e, x);
+    std::array<Vector, 4> n, way;
+    for (std::size_t i = 0; i < 4; ++i) {
+      n[i] = product(e.turned, e.gradients[i]);
+      const Vector from = product(e.turned, e.rest[i]);
+      for (std::size_t k = 0; k < 3; ++k) way[i][k] = x[3 * e.nodes[i] + k] - from[k];
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < 4; ++j) {
+        Matrix& block = values_[places_[16 * number + 4 * i + j]];
+        const double straight = e.volume * e.shear * dot(n[i], n[j]);
+        for (std::size_t r = 0; r < 3; ++r)
+          for (std::size_t c = 0; c < 3; ++c) {
+            const double value =
+                e.volume * (e.bulk * n[i][r] * n[j][c] + e.shear * n[j][r] * n[i][c]) + (r == c ? straight : 0);
+            block[r][c] += value;
+            forces[3 * e.nodes[i] + r] -= value * way[j][c];
+          }
+      }
+  }
 
   // The rotation nearest to the deformation: from the last one, by the axis about which they differ. Inverted elements
   // have one too.
@@ -170,6 +183,7 @@ class Elasticity {
   }
 
   std::vector<Element> elements_;
+  std::vector<std::size_t> bodies_;  // where the elements of each end
   std::vector<std::size_t> starts_, columns_, places_;
   std::vector<Matrix> values_;
 };

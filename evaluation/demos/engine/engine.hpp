@@ -41,8 +41,8 @@ class Engine {
   double damping_time = 0.01;  // s: of the elements, over their stiffness
   double drag = 0;             // 1/s: of all motion
 
-  /** `threads`: for detection; 0 = one for each core. */
-  explicit Engine(uint32_t threads = 1) : scene_(threads) {}
+  /** `threads`: of the engine, lent to the library. */
+  explicit Engine(int threads = 1) : team_{threads}, scene_(lent(team_)) {}
 
   void add_floor(const rayc_material& material) { add_wall({{0, 1, 0}}, 0, material); }
 
@@ -73,6 +73,7 @@ class Engine {
       for (std::size_t k = 0; k < 4; ++k) nodes[k] = first + static_cast<std::size_t>(t[k]);
       elasticity_.add(x_, nodes, youngs_modulus, 0.3);
     }
+    elasticity_.end_body();
     bodies_.push_back({cage, first, 0});
     const uint32_t number = scene_.add({raycontact::vectors(skin(bodies_.size() - 1)), cage.skin.triangles});
     bodies_.back().number = number;
@@ -111,11 +112,11 @@ class Engine {
     spent_ = {};
     const auto detecting = [&](const auto& call) { return timed(spent_.detection, call); };
     detecting([&] { contacts_.begin(scene_, dt, x_, v_, free); });
-    elasticity_.linearise(x_, own);
+    elasticity_.linearise(x_, own, team_);
     for (int solve = 1;; ++solve) {
       Numbers right(x_.size());
       contacts_.add_forces(v, right);
-      elasticity_.add_product(-dt - damping_time, v, right);
+      elasticity_.add_product(-dt - damping_time, v, right, team_);
       for (std::size_t k = 0; k < right.size(); ++k)
         right[k] = is_held(k) ? 0 : dt * (right[k] + own[k]) - masses_[k / 3] * (v[k] - free[k]);
       timed(spent_.elements, [&] { solve_for_change(dt, right, v); });
@@ -233,7 +234,7 @@ class Engine {
     fastest_.mass = masses_[node];
     Numbers way(v.size()), elements(v.size()), contacts(v.size());
     for (std::size_t k = 3 * node; k < 3 * node + 3; ++k) way[k] = v[k] / fastest_.speed;
-    elasticity_.add_product(1, way, elements);
+    elasticity_.add_product(1, way, elements, team_);
     contacts_.add_product(1 / dt, way, contacts);
     fastest_.elements = demo::dot(way, elements);
     fastest_.contacts = demo::dot(way, contacts);
@@ -246,14 +247,23 @@ class Engine {
     for (std::size_t k = 0; k < v.size(); ++k)
       if (!is_held(k)) inverse[k] = 1 / (masses_[k / 3] + elastic * elasticity_.diagonal(k));
     const auto add_product = [&](const Numbers& direction, Numbers& product) {
-      elasticity_.add_product(elastic, direction, product);
+      elasticity_.add_product(elastic, direction, product, team_);
       timed(spent_.products, [&] { contacts_.add_product(dt, direction, product); });
-      for (std::size_t k = 0; k < product.size(); ++k)
-        product[k] = is_held(k) ? 0 : product[k] + masses_[k / 3] * direction[k];
+      team_.for_ranges(product.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+          product[k] = is_held(k) ? 0 : product[k] + masses_[k / 3] * direction[k];
+      });
     };
     demo::solve_by_conjugate_gradients(add_product, inverse, 1e-14, 5000, right, v);
   }
 
+  static rayc_scene_options lent(Team& team) {
+    rayc_scene_options options = raycontact::default_scene_options();
+    if (team.threads > 1) raycontact::lend_threads(options, team);
+    return options;
+  }
+
+  Team team_;
   raycontact::Scene scene_;
   raycontact::ContactSystem contacts_;
   Elasticity elasticity_;
