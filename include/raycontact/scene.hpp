@@ -64,7 +64,7 @@ void run_on_guarded(void* context, std::size_t count, rayc_task task, void* data
  *
  * It may throw once all calls that it began have returned. The calling thread then does what is left, and
  * Scene::query() throws the first such exception at its end: the contacts are there, and the scene is as after a query
- * that threw nothing. With RAYCONTACT_NO_EXCEPTIONS an exception ends the process (std::terminate).
+ * that threw nothing. Calls of a contact system throw none of them. With RAYCONTACT_NO_EXCEPTIONS an exception ends the process (std::terminate).
  */
 template <class Host>
 void lend_threads(rayc_scene_options& options, Host& host) {

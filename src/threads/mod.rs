@@ -16,7 +16,8 @@ use std::thread::{Builder, JoinHandle, available_parallelism};
 /// Threads that a host lends.
 ///
 /// The library calls it only from the thread that made the call of the library, and never while one of its calls is under
-/// way: so a pool that cannot nest will do.
+/// way: so a pool that cannot nest will do. But a scene and its contact system that are used from two threads at once call it
+/// from both.
 pub trait ParallelFor: Send + Sync {
     /// Calls `task` once with each number below `count`, on any threads and in any order, and returns when all these calls
     /// have returned.

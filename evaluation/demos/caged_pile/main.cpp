@@ -98,7 +98,7 @@ void print_usage(FILE* out) {
       "  --triangles N        of each skin, about (2000)\n"
       "  --cells N            along the longest side of each cage (3)\n"
       "  --duration SECONDS   (3), in steps of 1/60 s\n"
-      "  --threads N          of the scene; 0: one for each core (1)\n"
+      "  --threads N          of the engine, lent to the library (1)\n"
       "  --spacing METRES     between samples, in place of the default; a body is 0.3 m long\n"
       "  --accuracy PART      of the force of each pair, in place of the default\n"
       "  --seed N             for how the bodies are turned (1)\n"
@@ -120,6 +120,7 @@ int main(int argc, char** argv) try {
     if (!demo::take_number(numbers, argc, argv, i)) throw demo::WrongUsage("unknown argument '" + argument + "'");
   }
   if (!(options.bodies >= 1 && options.bodies <= 10000)) throw demo::WrongUsage("--bodies must be from 1 to 10000");
+  if (!(options.threads >= 1 && options.threads <= 1000)) throw demo::WrongUsage("--threads must be from 1 to 1000");
   if (!(options.triangles >= 20 && options.triangles <= 1e6))
     throw demo::WrongUsage("--triangles must be from 20 to 1000000");
   if (!(options.cells >= 1 && options.cells <= 100)) throw demo::WrongUsage("--cells must be from 1 to 100");

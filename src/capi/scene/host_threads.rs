@@ -16,7 +16,7 @@ pub(in crate::capi) struct HostThreads {
 // SAFETY: context is only handed to the host's function, which the host lets be called from any thread that uses the scene.
 unsafe impl Send for HostThreads {}
 
-// SAFETY: as above; a scene is used by one thread at a time.
+// SAFETY: as above; a scene and its contact system may call it from two threads at once, as is documented.
 unsafe impl Sync for HostThreads {}
 
 impl ParallelFor for HostThreads {
