@@ -137,7 +137,10 @@ class Engine {
       contacts_.add_product(dt, direction, product);
       for (std::size_t k = 0; k < product.size(); ++k) product[k] += masses_[k / 3] * direction[k];
     };
-    demo::solve_by_conjugate_gradients(add_product, Numbers(v.size(), 1), 1e-16, 2000, right, v);
+    const auto in_turn = [](std::size_t count, const auto& work) {
+      for (std::size_t index = 0; index < count; ++index) work(index);
+    };
+    demo::solve_by_conjugate_gradients(add_product, Numbers(v.size(), 1), 1e-16, 2000, right, v, in_turn);
   }
 
   /**

@@ -314,13 +314,14 @@ impl<T: Scalar> Body<T> {
         }
     }
 
-    /// Moves the body to its predicted position.
+    /// Moves the body to its predicted position; of a deformable one also fills `positions`.
     pub(super) fn go(&mut self, course: &Course<'_>) {
         if let Some(pose) = self.pose(course) {
             self.ahead_pose = pose;
         } else if let Mover::Nodes { table, .. } = &self.mover {
             let vertices = 0..table.vertex_count() as u32;
             memory::refill(&mut self.ahead, vertices.map(|vertex| table.sum(vertex, course.positions)));
+            memory::refill(&mut self.positions, self.ahead.iter().map(rounded));
         }
     }
 
@@ -357,19 +358,19 @@ impl<T: Scalar> Body<T> {
 
     /// Fills `positions` with those of the last detection, or gives the first vertex that the precision cannot hold.
     pub(super) fn fill_positions(&mut self) -> Result<(), usize> {
-        let Self { mover, ahead, ahead_pose: (centre, rotation), positions, .. } = self;
-        let rounded = |x: V3| [T::of(x.x), T::of(x.y), T::of(x.z)];
-        match mover {
-            Mover::Nodes { .. } => memory::refill(positions, ahead.iter().map(|&x| rounded(x))),
-            Mover::Rigid { surface, .. } | Mover::Host(surface) => {
-                memory::refill(positions, surface.points.iter().map(|point| rounded(*centre + *rotation * point)));
-            }
+        let Self { mover, ahead_pose: (centre, rotation), positions, .. } = self;
+        if let Mover::Rigid { surface, .. } | Mover::Host(surface) = mover {
+            memory::refill(positions, surface.points.iter().map(|point| rounded(&(*centre + *rotation * point))));
         }
         match self.positions.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
             Some(vertex) => Err(vertex),
             None => Ok(()),
         }
     }
+}
+
+fn rounded<T: Scalar>(x: &V3) -> [T; 3] {
+    [T::of(x.x), T::of(x.y), T::of(x.z)]
 }
 
 /// The weights of a point of the surface in double precision.

@@ -38,8 +38,9 @@ impl Lines {
             for entry in &all[spring.begin..spring.end] {
                 let line = &mut of_node[entry.node as usize];
                 if *line == u32::MAX {
-                    *line = nodes.len() as u32;
+                    // First, since only listed nodes are forgotten again.
                     nodes.room_for(1).push(entry.node);
+                    *line = nodes.len() as u32 - 1;
                 }
                 entries.room_for(1).push(Entry { node: *line, ..*entry });
             }

@@ -6,6 +6,7 @@ use super::row_chunk::RowChunk;
 use super::rows::{RowForce, Rows, Velocities};
 use super::twist::{V3, at};
 use crate::memory::{self, Room};
+use crate::threads::Helpers;
 
 impl Rows {
     /// To be called after a linearisation.
@@ -70,9 +71,10 @@ impl Rows {
             self.list_springs();
             RowChunk::divide(&mut self.chunks, &self.springs, self.rows.len());
         }
-        let Self { rows, entries, springs, chunks, products, host, .. } = self;
+        let helpers = self.chunk_helpers();
+        let Self { rows, entries, springs, chunks, products, .. } = self;
         let products = products.expected();
-        RowChunk::for_each(host, chunks, |chunk| {
+        helpers.for_each(chunks, |_, chunk| {
             if !is_packed {
                 chunk.pack(rows, entries, springs, nodes.len() / 3, products);
             }
@@ -81,10 +83,16 @@ impl Rows {
         self.are_packed = true;
     }
 
+    /// Who helps with the chunks: nobody where there is a single one.
+    fn chunk_helpers(&self) -> Helpers {
+        self.helpers(self.chunks.iter().filter(|chunk| !chunk.is_empty()).count() > 1)
+    }
+
     fn finish_product(&mut self, twists: &[f64], scale: f64, nodes: &mut [f64]) {
-        let Self { rows, chunks, host, .. } = self;
+        let helpers = self.chunk_helpers();
+        let Self { rows, chunks, .. } = self;
         if !twists.is_empty() {
-            RowChunk::for_each(host, chunks, |chunk| chunk.add_twists(rows, twists));
+            helpers.for_each(chunks, |_, chunk| chunk.add_twists(rows, twists));
         }
         // In order, so that sums do not depend on threads.
         chunks.iter().for_each(|chunk| chunk.lines.finish_product(scale, nodes));

@@ -4,9 +4,7 @@ use super::matrix::{NodeMatrix, is_short};
 use super::row::{Entry, Row, Spring};
 use super::row_by_row::RowByRow;
 use crate::memory::Room;
-use crate::threads::{Helpers, ParallelFor};
 use std::ops::Range;
-use std::sync::Weak;
 
 // What chose these numbers: docs/architecture.md, *Tuned constants*.
 
@@ -40,11 +38,8 @@ impl RowChunk {
         }
     }
 
-    /// Does the work for all chunks, on the host's threads if it lends them and there are several chunks.
-    pub(super) fn for_each(host: &Option<Weak<dyn ParallelFor>>, chunks: &mut [Self], work: impl Fn(&mut Self) + Sync) {
-        let are_many = chunks.iter().filter(|chunk| !chunk.springs.is_empty()).count() > 1;
-        let host = host.as_ref().filter(|_| are_many).and_then(Weak::upgrade);
-        host.map_or(Helpers::Nobody, Helpers::Host).for_each(chunks, |_, chunk| work(chunk));
+    pub(super) fn is_empty(&self) -> bool {
+        self.springs.is_empty()
     }
 
     /// Packs its springs, in the matrix or row by row; `entries` are those of all rows.

@@ -8,7 +8,7 @@ use super::row_chunk::RowChunk;
 use super::twist::{Factor, Inertia, V3, angular, at, linear};
 use crate::math::margins;
 use crate::memory::{self, Room};
-use crate::threads::ParallelFor;
+use crate::threads::{Helpers, ParallelFor};
 use nalgebra::Matrix3;
 use std::sync::Weak;
 
@@ -30,7 +30,7 @@ pub(crate) struct Rows {
     pub(super) chunks: Vec<RowChunk>,
     pub(super) rigid_matrix: RigidMatrix,
     pub(super) products: ProductCount,
-    /// Threads that the host lends for products.
+    /// Threads that the host lends.
     pub(super) host: Option<Weak<dyn ParallelFor>>,
     /// Of each rigid body, along the world's axes.
     pub(super) masses: Vec<Inertia>,
@@ -61,6 +61,11 @@ pub(crate) struct Velocities<'a> {
 }
 
 impl Rows {
+    /// The host's threads, if it lends them and there `is_much` to do.
+    pub(super) fn helpers(&self, is_much: bool) -> Helpers {
+        self.host.as_ref().filter(|_| is_much).and_then(Weak::upgrade).map_or(Helpers::Nobody, Helpers::Host)
+    }
+
     pub(super) fn clear(&mut self) {
         self.rows.clear();
         self.entries.clear();

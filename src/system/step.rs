@@ -1,4 +1,4 @@
-use super::body::Mover;
+use super::body::{Body, Mover};
 use super::buffers::{Buffers, Step};
 use super::error::{SystemError, check_count, check_range, check_within};
 use super::row_builder::RowBuilder;
@@ -7,6 +7,10 @@ use crate::math::{Scalar, margins};
 use crate::memory::{self, Room};
 use crate::mesh::{MeshError, next_stamp};
 use crate::scene::Scene;
+
+/// A host's threads move bodies that have at least so many vertices in all. What chose it: docs/architecture.md, *Tuned
+/// constants*.
+const FEWEST_VERTICES: usize = 4096;
 
 impl<T: Scalar> ContactSystem<T> {
     /// Begins a step of `dt` seconds: x, y, z of each node's position in m and velocity in m/s at its start, and the
@@ -108,22 +112,29 @@ impl<T: Scalar> ContactSystem<T> {
     pub(super) fn detect(&mut self, scene: &mut Scene<T>, time: f64) -> Result<(), SystemError> {
         self.move_surfaces(scene, time, false)?;
         scene.query(&mut self.contacts);
-        self.rows.host = scene.lent_threads();
         Ok(())
     }
 
     /// Moves surfaces to their predicted positions; where `own` is set, those of the scene's own bodies alone.
     pub(crate) fn move_surfaces(&mut self, scene: &mut Scene<T>, time: f64, own: bool) -> Result<(), SystemError> {
         let is_left = |scene: &Scene<T>, body: u32| own && scene.is_foreign(body);
-        let Self { bodies, buffers, half_spaces, .. } = self;
+        let Self { bodies, buffers, half_spaces, rows, .. } = self;
         Buffers::predict(&mut buffers.predicted, &buffers.positions, &buffers.ahead, time);
         let course = buffers.course(time);
+        rows.host = scene.lent_threads();
+        let deformable = bodies.iter().filter(|body| body.nodes().is_some());
+        let is_much = deformable.map(Body::vertex_count).sum::<usize>() >= FEWEST_VERTICES;
+        let known: &Scene<T> = scene;
+        rows.helpers(is_much).for_each(bodies, |_, body| {
+            if !is_left(known, body.number) {
+                body.go(&course);
+            }
+        });
         for body in &mut *bodies {
             if is_left(scene, body.number) {
                 continue;
             }
             let number = body.number;
-            body.go(&course);
             // Contacts with half-spaces need all vertices of a body that can move.
             let needs_vertices = body.is_movable() && !half_spaces.is_empty();
             if !needs_vertices && body.pose_ahead().is_some_and(|pose| scene.may_follow(number, &pose)) {

@@ -236,8 +236,10 @@ class Engine {
     for (std::size_t k = 3 * node; k < 3 * node + 3; ++k) way[k] = v[k] / fastest_.speed;
     elasticity_.add_product(1, way, elements, team_);
     contacts_.add_product(1 / dt, way, contacts);
-    fastest_.elements = demo::dot(way, elements);
-    fastest_.contacts = demo::dot(way, contacts);
+    for (std::size_t k = 3 * node; k < 3 * node + 3; ++k) {
+      fastest_.elements += way[k] * elements[k];
+      fastest_.contacts += way[k] * contacts[k];
+    }
   }
 
   // (M + dt (dt + damping time) K + dt C) change = right, scaled by the diagonal but for contact.
@@ -254,7 +256,7 @@ class Engine {
           product[k] = is_held(k) ? 0 : product[k] + masses_[k / 3] * direction[k];
       });
     };
-    demo::solve_by_conjugate_gradients(add_product, inverse, 1e-14, 5000, right, v);
+    demo::solve_by_conjugate_gradients(add_product, inverse, 1e-14, 5000, right, v, team_);
   }
 
   static rayc_scene_options lent(Team& team) {

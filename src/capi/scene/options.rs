@@ -8,10 +8,9 @@ pub type rayc_task = unsafe extern "C" fn(data: *mut c_void, index: usize);
 /// The host's threads: calls task(data, index) once for each index below `count`, on any threads and in any order, and
 /// returns when all these calls have returned. `context` is the host's own, from rayc_scene_options.
 ///
-/// The library calls it only from the thread that called it, for a query or for a product of a contact system, and never from
+/// It is called only from the thread that asked for a query, or for a step or a product of a contact system, and never from
 /// within a task, so a pool that cannot nest is enough. A scene and its contact system used from two threads at once call it
-/// from both. It must not call the scene or use the contacts of the query: both return
-/// RAYC_STATUS_BUSY. An exception that leaves it ends the process; lend_threads() of raycontact.hpp carries
+/// from both. It must not call the scene or use the contacts of the query: both return RAYC_STATUS_BUSY. An exception that leaves it ends the process; lend_threads() of raycontact.hpp carries
 /// exceptions past the library instead. Indices that it leaves out or calls twice do no harm. It is called in the
 /// default floating-point mode; its threads may be in any.
 // "C-unwind": so that the exception meets guard(), which ends the process, and no undefined behaviour on the way.
