@@ -267,6 +267,56 @@ fn steps(run: &mut Run, scene: *mut rayc_scene, more: &[Shape]) {
     }
 }
 
+/// Steps of a contact system: of two bodies whose vertices are nodes, on a floor that is one's side.
+fn contact_system(run: &mut Run) {
+    let shapes = bodies();
+    let scene = scene(run, 1, None);
+    // SAFETY: the handles are valid, the arrays are as they say.
+    unsafe {
+        let numbers = [0, 1].map(|k| {
+            let mesh = mesh(run, &shapes[k]);
+            let number = run.given(u32::MAX, |body| rayc_scene_add_mesh(scene, mesh, body));
+            run.ok(|| rayc_mesh_destroy(mesh));
+            number
+        });
+        let system = run.given(null_mut(), |system| rayc_contact_system_create(null(), system));
+        let each = shapes[0].positions.len();
+        let count = 6 * each;
+        let masses = vec![1.0; 2 * each];
+        run.ok(|| rayc_contact_system_set_node_masses(system, 2 * each, masses.as_ptr()));
+        let mut material: rayc_material = std::mem::zeroed();
+        run.ok(|| rayc_bearing_material(1e4, 0.1, size_of::<rayc_material>(), &mut material));
+        material.friction = 0.5;
+        for (body, first) in numbers.into_iter().zip([0, each as u32]) {
+            let (none, nodes) = (null(), each as u32);
+            run.ok(|| {
+                rayc_contact_system_add_deformable(system, scene, body, first, nodes, none, 0, none, null(), &material)
+            });
+        }
+        run.ok(|| rayc_contact_system_add_half_space(system, [0.0, 0.0, 1.0].as_ptr(), -0.9, &material));
+        let mut positions = [0, 1].map(|k| shapes[k].positions.as_flattened().to_vec()).concat();
+        let mut velocities = vec![0.0; count];
+        for _ in 0..3 {
+            let free: Vec<f64> = velocities.iter().enumerate().map(|(k, v)| v - 0.1 * f64::from(k % 3 == 2)).collect();
+            let [at, v, ahead] = [positions.as_ptr(), velocities.as_ptr(), free.as_ptr()];
+            run.ok(|| rayc_contact_system_begin(system, scene, 0.01, count, at, v, ahead));
+            let [mut forces, mut product] = [0, 1].map(|_| vec![0.0; count]);
+            run.ok(|| rayc_contact_system_add_forces(system, count, ahead, forces.as_mut_ptr()));
+            run.ok(|| rayc_contact_system_add_product(system, 0.01, count, ahead, product.as_mut_ptr()));
+            let new: Vec<f64> = (0..count).map(|k| free[k] + 1e-3 * (forces[k] - product[k])).collect();
+            run.given(0.0, |change| rayc_contact_system_linearise(system, count, new.as_ptr(), change));
+            run.ok(|| rayc_contact_system_add_product(system, 0.01, count, new.as_ptr(), product.as_mut_ptr()));
+            run.ok(|| rayc_contact_system_finish(system, count, new.as_ptr()));
+            assert!(forces.iter().chain(&product).any(|x| *x != 0.0));
+            run.digest.extend(forces.iter().chain(&product).map(|x| x.to_bits()));
+            positions.iter_mut().zip(&new).for_each(|(x, v)| *x += 0.01 * v);
+            velocities = new;
+        }
+        run.ok(|| rayc_contact_system_destroy(system));
+        run.ok(|| rayc_scene_destroy(scene));
+    }
+}
+
 fn scene(run: &mut Run, threads: u32, host: rayc_parallel_for) -> *mut rayc_scene {
     // SAFETY: the places are writable.
     unsafe {
@@ -281,6 +331,7 @@ fn on_one_thread(run: &mut Run) {
     without_a_scene(run);
     let scene = scene(run, 1, None);
     steps(run, scene, &[]);
+    contact_system(run);
 }
 
 /// The pointer by which a scene knows its host is one of the standard library's, which cannot say that there is no memory.

@@ -101,8 +101,8 @@ impl Anchors {
 
     /// Keeps these instead of some. Contacts of this step go on to have the anchors that they had found.
     pub(crate) fn replace(&mut self, is_gone: impl Fn(&Key) -> bool, anchors: &[Anchor]) {
+        self.make_room(self.kept.len() + anchors.len());
         let Self { kept, pending, befores, .. } = self;
-        kept.room_for(anchors.len());
         let before = |pending: &Pending| pending.before.and_then(|index| kept.get(index)).copied();
         memory::refill(befores, pending.iter().map(before));
         kept.retain(|anchor| !is_gone(&anchor.key));
@@ -161,6 +161,23 @@ impl Anchors {
     pub(super) fn set(&mut self, index: usize, hold: Hold) {
         let Pending { key, triangle, from, .. } = self.pending[index];
         self.next.room_for(1).push(Anchor { key, triangle, from, hold });
+    }
+
+    /// To be called before a step's contacts are given their anchors: from then on nothing can fail.
+    pub(super) fn prepare_finish(&mut self) {
+        self.next.clear();
+        self.make_room(self.pending.len());
+    }
+
+    /// So that so many anchors can be sorted.
+    fn make_room(&mut self, count: usize) {
+        let Self { kept, next, runs, order, triangles, .. } = self;
+        for list in [kept, next] {
+            list.room_for(count.saturating_sub(list.len()));
+        }
+        runs.room_for(count.saturating_sub(runs.len()));
+        order.room_for(count.saturating_sub(order.len()));
+        triangles.room_for(count.saturating_sub(triangles.len()));
     }
 
     pub(super) fn finish_step(&mut self) {

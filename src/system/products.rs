@@ -20,7 +20,7 @@ impl Rows {
     /// Lists the springs, unless that is done. It waits for the first product: after the last linearisation there may be none.
     pub(crate) fn list_springs(&mut self) {
         let Self { rows, springs, are_listed, .. } = self;
-        if std::mem::replace(are_listed, true) {
+        if *are_listed {
             return;
         }
         springs.clear();
@@ -40,6 +40,7 @@ impl Rows {
             }
             begin = *end;
         }
+        *are_listed = true;
     }
 
     /// Adds `scale` · Jᵀ D J · change to `nodes` and `twists`: the opposite of the forces that a change of the velocities adds.
@@ -65,7 +66,6 @@ impl Rows {
 
     /// Starts with the change of the nodes' velocities alone.
     fn start_product(&mut self, nodes: &[f64]) {
-        self.products.add_one();
         let is_packed = std::mem::replace(&mut self.are_packed, false);
         if !is_packed {
             self.list_springs();
@@ -96,6 +96,8 @@ impl Rows {
         }
         // In order, so that sums do not depend on threads.
         chunks.iter().for_each(|chunk| chunk.lines.finish_product(scale, nodes));
+        // Last, so that a product that ends without memory does not count.
+        self.products.add_one();
     }
 
     /// Adds `scale` times the loads of rows on rigid bodies by the change of the nodes' velocities alone.

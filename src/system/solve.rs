@@ -210,6 +210,7 @@ impl<T: Scalar> ContactSystem<T> {
         let nodes = &velocities[..3 * self.node_masses.len()];
         let Self { bodies, anchors, loads, buffers, rows, .. } = &mut *self;
         Buffers::predict(&mut buffers.predicted, &buffers.positions, nodes, step.dt);
+        anchors.prepare_finish();
         let course = Course { time: step.dt, velocities: nodes, twists: &rows.response, positions: &buffers.predicted };
         for (index, row) in rows.rows.iter().enumerate().filter(|(_, row)| row.linear.pushes) {
             let slip = rows.slip_at(index, &rows.response);

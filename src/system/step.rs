@@ -249,8 +249,8 @@ impl<T: Scalar> ContactSystem<T> {
     pub fn finish(&mut self, velocities: &[f64]) -> Result<(), SystemError> {
         let step = self.check_velocities(velocities)?;
         self.find_motions(velocities, step);
-        self.remember(velocities, step);
         memory::refill(&mut self.buffers.end_twists, self.rows.response.iter().copied());
+        self.remember(velocities, step);
         self.step = None;
         Ok(())
     }
