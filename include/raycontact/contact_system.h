@@ -421,7 +421,8 @@ enum rayc_status rayc_contact_system_misjudged(struct rayc_contact_system *syste
  *
  * Errors: RAYC_STATUS_OUT_OF_ORDER without a step, RAYC_STATUS_WRONG_COUNT, RAYC_STATUS_NOT_FINITE,
  * RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_PRECISION_MISMATCH; RAYC_STATUS_TOO_STIFF: the step is then cancelled, as by
- * rayc_contact_system_cancel(), and can begin again with a softer material or a shorter length.
+ * rayc_contact_system_cancel(), and can begin again with a softer material or a shorter length. RAYC_STATUS_OUT_OF_MEMORY
+ * while it looks cancels the step too.
  */
 enum rayc_status rayc_contact_system_detect_again(struct rayc_contact_system *system,
                                                   struct rayc_scene *scene,

@@ -50,7 +50,7 @@ pub(super) enum Mover {
     },
     /// With its index among the rigid bodies.
     Rigid {
-        inertia: Box<Inertia>,
+        inertia: Box<[Inertia; 1]>,
         index: usize,
         surface: RigidSurface,
     },
@@ -268,7 +268,7 @@ impl<T: Scalar> Body<T> {
             let own = 6 * index..6 * index + 6;
             buffers.twists[own.clone()].copy_from_slice(&surface.velocity);
             buffers.free_twists[own].copy_from_slice(&surface.free_velocity);
-            masses[*index] = inertia.turned(&surface.rotation);
+            masses[*index] = inertia[0].turned(&surface.rotation);
         }
     }
 

@@ -16,7 +16,7 @@ impl<T: Scalar> ContactSystem<T> {
     /// the smallest depth cap, nothing is done.
     ///
     /// # Errors
-    /// [`SystemError::Mesh`], and [`SystemError::TooStiff`], which cancels the step.
+    /// [`SystemError::Mesh`], and [`SystemError::TooStiff`], which cancels the step. So does memory that ends.
     pub fn detect_again(&mut self, scene: &mut Scene<T>, velocities: &[f64]) -> Result<bool, SystemError> {
         let step = self.check_velocities(velocities)?;
         self.check_bodies(scene)?;
@@ -25,6 +25,14 @@ impl<T: Scalar> ContactSystem<T> {
         if nodes.max(rigids) <= cap * cap {
             return Ok(false);
         }
+        // Until all rows are there, since a step that lacks some must not go on.
+        self.step = None;
+        let has_news = self.look_again(scene, velocities, step);
+        self.step = Some(step).filter(|_| !matches!(has_news, Err(SystemError::TooStiff { .. })));
+        has_news
+    }
+
+    fn look_again(&mut self, scene: &mut Scene<T>, velocities: &[f64], step: Step) -> Result<bool, SystemError> {
         let has_news = self.detect_at(scene, velocities, step)?;
         if has_news {
             // The twists are those of the rows that there were.

@@ -62,7 +62,9 @@ impl<T: Scalar> ContactSystem<T> {
         memory::refill(&mut unknowns, velocities.iter().chain(&self.buffers.twists).copied());
         self.find_motions(&unknowns, step);
         self.buffers.unknowns = unknowns;
-        self.linearise_at(step).map(|_| ())
+        self.linearise_at(step)?;
+        self.step = Some(step);
+        Ok(())
     }
 
     /// A bound on the largest eigenvalue λ of M⁻¹ K, in 1/s², and the largest damping time τ of rows that push, in s; both zero

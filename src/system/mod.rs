@@ -206,7 +206,7 @@ impl<T: Scalar> ContactSystem<T> {
         if !is_symmetric || !inertia.iter().all(|x| x.is_finite()) || factor.is_none() {
             return Err(SystemError::Inertia);
         }
-        let inertia = Box::new(Inertia { mass, about: inertia, ..Inertia::default() });
+        let inertia = memory::boxed(Inertia { mass, about: inertia, ..Inertia::default() });
         let mover = Mover::Rigid { inertia, index: self.rigid_count, surface: RigidSurface::new(mesh) };
         // Memory first: if there is none, the count must not have changed.
         self.bodies.room_for(1);
@@ -293,6 +293,7 @@ impl<T: Scalar> ContactSystem<T> {
         let Mover::Rigid { inertia, .. } = &mut self.bodies[index].mover else {
             return Err(SystemError::UnknownBody { body });
         };
+        let [inertia] = &mut **inertia;
         let mut whole = added;
         (0..3).for_each(|k| whole[(k, k)] += inertia.mass);
         whole.fixed_view_mut::<3, 3>(3, 3).add_assign(&inertia.about);

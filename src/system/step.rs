@@ -32,7 +32,9 @@ impl<T: Scalar> ContactSystem<T> {
     ) -> Result<(), SystemError> {
         let ahead = if self.looks_at_start { 0.0 } else { dt };
         let step = self.start(scene, [dt, ahead, dt], [positions, velocities, free_velocities])?;
-        self.linearise_predicted(step)
+        self.linearise_predicted(step)?;
+        self.step = Some(step);
+        Ok(())
     }
 
     /// [`begin`](Self::begin) with separate times for the step, the prediction and the rows; `given` are its three arrays.
@@ -54,7 +56,7 @@ impl<T: Scalar> ContactSystem<T> {
             self.add_impacts(0, rows);
         }
         self.hand_over();
-        Ok(*self.step.insert(Step { dt: rows, unknowns: self.unknown_count() }))
+        Ok(Step { dt: rows, unknowns: self.unknown_count() })
     }
 
     /// Checks and copies what the host gives at the start of a step.
