@@ -109,8 +109,8 @@ fn threads_have_ended_when_the_scene_is_dropped() {
     }
 }
 
-/// Velocities after products of a step of two deep tori whose vertices are nodes, and of one whose other body is rigid; the
-/// judge is the matrix block by block.
+/// Velocities after products of a step of two deep tori in a floor whose vertices are nodes, and of one whose other body is
+/// rigid; the judge is the matrix block by block.
 fn products(mut scene: Scene<f64>, is_rigid: bool) -> Vec<f64> {
     scene.set_options(DetectionOptions { sampling: Sampling::Vertices, ..DetectionOptions::default() });
     let torus = shapes::torus(128, 64, 0.4);
@@ -133,6 +133,7 @@ fn products(mut scene: Scene<f64>, is_rigid: bool) -> Vec<f64> {
     } else {
         system.add_deformable(&scene, 1, own..2 * own, Carriers::Nodes, material).expect("it is new");
     }
+    system.add_half_space([0.0, 0.0, 1.0], -0.2, material).expect("a floor");
     let (at_rest, count) = (vec![0.0; positions.len()], system.unknown_count());
     system.begin(&mut scene, 0.01, &positions, &at_rest, &at_rest).expect("the step begins");
     let change: Vec<f64> = (0..count).map(|k| (k as f64).sin()).collect();
@@ -169,8 +170,8 @@ fn products_do_not_depend_on_whose_threads_work() {
         };
         assert_eq!(products(Scene::with_host_threads(host.clone()), is_rigid), expected, "the host's threads");
         assert!(
-            host.calls.load(Ordering::SeqCst) >= of_query + 3,
-            "the host was asked to move bodies and for products too"
+            host.calls.load(Ordering::SeqCst) >= of_query + 4,
+            "the host was asked to move bodies, for what lies in the floor and for products too"
         );
     }
 }

@@ -73,8 +73,6 @@ class Engine {
     for (std::size_t k = 0; k < v.size(); ++k) v_[k] = kept * v[k];
   }
 
-  int cuts = 0;  // steps cut short or slowed
-
   std::size_t body_count() const { return first_nodes_.size(); }
   /** Contacts between bodies where they are. */
   std::size_t contact_count() {
@@ -156,7 +154,6 @@ class Engine {
       rest = after(part);
     }
     const double moving = kinetic(v), kept = std::sqrt(std::min(1.0, std::max(0.0, *energy_ - rest) / moving));
-    if (part < 1 || kept < 0.999) ++cuts;
     energy_ = rest + (moving > 0 ? kept * kept * moving : 0);
     return {{part, moving > 0 ? kept : 1}};
   }

@@ -120,7 +120,8 @@ typedef struct rayc_material {
   double friction;
   /**
    * At more than this depth, in m, a contact pushes no harder in one step than at this depth; > 0, and infinity for
-   * no cap. By as much as bodies come nearer within the step they are pushed back in full.
+   * no cap. Bodies that start deep part no faster than by the cap over the damping time. By as much as bodies come
+   * nearer within the step they are pushed back in full.
    */
   double depth_cap;
   /**
@@ -153,8 +154,8 @@ enum rayc_status rayc_bearing_material(double pressure,
 
 /**
  * Fills `material` with that of an elastic body, by its Young's modulus (Pa), Poisson's ratio and the edge (m) of its elements.
- * It bears the larger of its Young's and its bulk modulus at a fortieth of an edge; the rest is as rayc_bearing_material() has
- * it. struct_size: sizeof(rayc_material).
+ * It bears the larger of its Young's and its bulk modulus at a fortieth of an edge, and the cap is a twentieth of an edge;
+ * the rest is as rayc_bearing_material() has it. struct_size: sizeof(rayc_material).
  *
  * Errors: RAYC_STATUS_INVALID_MATERIAL where modulus or edge is not finite and > 0 or the ratio not between -1 and 0.5,
  * RAYC_STATUS_INVALID_STRUCT_SIZE.

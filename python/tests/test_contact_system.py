@@ -168,7 +168,7 @@ def test_refusals():
     suggested = Material.bearing(1000.0, 0.01)
     assert suggested.stiffness == pytest.approx(1e5) and suggested.depth_cap == 0.01 and suggested.restitution == 0
     elastic = Material.elastic(1e5, 0.3, 0.04)
-    assert elastic.stiffness == pytest.approx(1e8) and elastic.depth_cap == 0.001
+    assert elastic.stiffness == pytest.approx(1e8) and elastic.depth_cap == 0.002
     assert Material.elastic(1e5, 0.49, 0.04).stiffness == pytest.approx(1e8 / 0.06)  # by its bulk
     with pytest.raises(raycontact.Error, match="restitution is 1.5; it must be from 0 to 1") as refused:
         system.add_half_space([0, 0, 1], 0.0, Material(1e5, restitution=1.5))

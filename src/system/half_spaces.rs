@@ -23,15 +23,33 @@ pub(crate) struct HalfSpace {
     pub(super) material: Material,
 }
 
-/// What of a body lies below a half-space's plane.
+/// What of some bodies lies below a half-space's plane.
 #[derive(Debug, Default)]
 pub(super) struct Below<T: Scalar> {
-    /// Of each vertex: its depth, the area that it stands for, seen along the normal, and which way that faces.
+    /// Of each vertex of a body: its depth, the area that it stands for, seen along the normal, and which way that faces.
     vertices: Vec<(f64, f64, V3)>,
     /// The triangles with a corner below, each with its patch.
     triangles: Vec<(u32, u32)>,
-    /// The vertices that bear a patch's load, with their weights.
+    /// The vertices and patches that press, body by body.
+    pressed: Vec<Pressed>,
+    /// The vertices that bear the patches' loads, with their weights.
     bearing: Vec<(u32, T)>,
+    /// How many bodies are deeper than half their thickness.
+    pub(super) deep_bodies: u64,
+}
+
+/// A vertex or a patch that a half-space presses on.
+#[derive(Debug)]
+struct Pressed {
+    /// The index of its body.
+    body: usize,
+    /// A vertex's number, or that of a patch's middle triangle.
+    name: u32,
+    depth: f64,
+    area: f64,
+    facing: V3,
+    /// The end of its bearing vertices, which begin where those before end. A vertex has none but itself.
+    bearing_end: usize,
 }
 
 impl<T: Scalar> Below<T> {
@@ -84,96 +102,100 @@ impl<T: Scalar> Below<T> {
         let (depth, area, facing) = self.vertices[vertex as usize];
         (depth > 0.0 && area > 0.0).then_some((depth, area, facing))
     }
-}
 
-impl<T: Scalar> RowBuilder<'_, T> {
-    /// Adds the rows of one body. Each surface vertex below the plane bears the pressure of its depth over the area that it
+    pub(super) fn clear(&mut self) {
+        self.pressed.clear();
+        self.bearing.clear();
+        self.deep_bodies = 0;
+    }
+
+    /// Finds what presses on one body. Each surface vertex below the plane bears the pressure of its depth over the area that it
     /// stands for, seen along the normal. Where nodes are much further apart than vertices, and the step looks ahead, the
-    /// vertices of a patch make one row, with weights by their areas. Gives whether a vertex is deeper than half the body's
-    /// thickness.
-    pub(super) fn add_half_space_rows(
+    /// vertices of a patch bear it together, with weights by their areas.
+    pub(super) fn find_pressed(
         &mut self,
-        (number, half_space): (u32, &HalfSpace),
-        index: usize,
+        half_space: &HalfSpace,
+        (index, body): (usize, &Body<T>),
         mesh: &Mesh<T>,
-        below: &mut Below<T>,
-    ) -> bool {
-        let (body, normal) = (&self.bodies[index], half_space.normal);
+        looks_ahead: bool,
+    ) {
+        let normal = half_space.normal;
         let Aabb { lower, upper } = mesh.aabb();
         let deepest = V3::from_fn(|axis, _| if normal[axis] > 0.0 { lower[axis] } else { upper[axis] }.to_f64());
         if !body.is_movable() || normal.dot(&deepest) >= half_space.offset {
-            return false;
+            return;
         }
-        below.find(half_space, body, mesh);
+        self.find(half_space, body, mesh);
         let half_thickness = mesh.half_thickness().to_f64();
-        let is_deep = below.vertices.iter().any(|&(depth, ..)| depth > half_thickness);
+        self.deep_bodies += u64::from(self.vertices.iter().any(|&(depth, ..)| depth > half_thickness));
         let all = mesh.topology().triangles();
         let (spacing, vertices) = (mesh.carrier_spacing().to_f64(), mesh.topology().surface_vertices());
         let of_nodes = mesh.roundness().area / (spacing * spacing);
         // A patch's stretch follows the predicted motion, and without one only points tell how far a spring is stretched.
-        if (vertices.len() as f64) < of_nodes * FEWEST_OF_NODE || self.course.time <= 0.0 {
-            for index in 0..below.triangles.len() {
-                below.add_area(half_space, body, all[below.triangles[index].1 as usize]);
+        if (vertices.len() as f64) < of_nodes * FEWEST_OF_NODE || !looks_ahead {
+            for index in 0..self.triangles.len() {
+                self.add_area(half_space, body, all[self.triangles[index].1 as usize]);
             }
-            for &vertex in vertices {
-                if let Some(pressed) = below.pressed(vertex) {
-                    let at = AnchorPoint { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
-                    self.add_half_space_row((number, half_space), body, vertex, (at, None), pressed);
+            for &name in vertices {
+                if let Some((depth, area, facing)) = self.pressed(name) {
+                    let bearing_end = self.bearing.len();
+                    self.pressed.room_for(1).push(Pressed { body: index, name, depth, area, facing, bearing_end });
                 }
             }
-            return is_deep;
+            return;
         }
         // Patches are the same in each step, so that friction finds again what it holds on to.
         let (patches, largest, fraction) = (mesh.patches(), T::of(spacing * spacing), T::of(LARGEST_FRACTION));
         let patch_of = |triangle: u32| patches.part_around(triangle, largest, fraction);
-        below.triangles.iter_mut().for_each(|(patch, triangle)| *patch = patch_of(*triangle));
-        below.triangles.sort_unstable();
+        self.triangles.iter_mut().for_each(|(patch, triangle)| *patch = patch_of(*triangle));
+        self.triangles.sort_unstable();
         let (mut start, mut end) = (0, 0);
-        while let Some(&(patch, _)) = below.triangles.get(start) {
-            while let Some(&(_, triangle)) = below.triangles.get(end).filter(|of_triangle| of_triangle.0 == patch) {
-                below.add_area(half_space, body, all[triangle as usize]);
+        while let Some(&(patch, _)) = self.triangles.get(start) {
+            while let Some(&(_, triangle)) = self.triangles.get(end).filter(|of_triangle| of_triangle.0 == patch) {
+                self.add_area(half_space, body, all[triangle as usize]);
                 end += 1;
             }
-            below.bearing.clear();
-            let (mut load, mut sum, mut faces) = (0.0, 0.0, V3::zeros());
-            for index in start..end {
-                for vertex in all[below.triangles[index].1 as usize] {
-                    if let Some((depth, area, facing)) = below.pressed(vertex) {
-                        below.bearing.room_for(1).push((vertex, T::of(area)));
-                        (load, sum, faces) = (load + depth * area, sum + area, faces + facing);
+            let bearing_begin = self.bearing.len();
+            let (mut load, mut area, mut facing) = (0.0, 0.0, V3::zeros());
+            for of_patch in start..end {
+                for vertex in all[self.triangles[of_patch].1 as usize] {
+                    if let Some((depth, own, faces)) = self.pressed(vertex) {
+                        self.bearing.room_for(1).push((vertex, T::of(own)));
+                        (load, area, facing) = (load + depth * own, area + own, facing + faces);
                     }
-                    (below.vertices[vertex as usize].1, below.vertices[vertex as usize].2) = (0.0, V3::zeros());
+                    (self.vertices[vertex as usize].1, self.vertices[vertex as usize].2) = (0.0, V3::zeros());
                 }
             }
             start = end;
-            if sum > 0.0 {
-                below.bearing.iter_mut().for_each(|(_, weight)| *weight /= T::of(sum));
-                let ends = (AnchorPoint::NOWHERE, Some(&*below.bearing));
-                let name = patches.middle(patch);
-                self.add_half_space_row((number, half_space), body, name, ends, (load / sum, sum, faces));
+            if area > 0.0 {
+                self.bearing[bearing_begin..].iter_mut().for_each(|(_, weight)| *weight /= T::of(area));
+                let (name, depth, bearing_end) = (patches.middle(patch), load / area, self.bearing.len());
+                self.pressed.room_for(1).push(Pressed { body: index, name, depth, area, facing, bearing_end });
             }
         }
-        is_deep
     }
+}
 
-    /// Adds the row of a vertex or patch, by its name; it acts on `area` at `depth` below the plane.
-    fn add_half_space_row(
-        &mut self,
-        (number, half_space): (u32, &HalfSpace),
-        body: &Body<T>,
-        name: u32,
-        (at, on): (AnchorPoint, Option<&[(u32, T)]>),
-        (depth, area, facing): (f64, f64, V3),
-    ) {
-        let end = End { at: &at, on };
-        let mut ends = Ends::default();
-        let (begin, normal) = (self.rows.entries.len(), half_space.normal);
-        self.add_end(&mut ends, 0, body, &end, None, &end.point_ahead(body));
-        ends.leaning = -self.velocity_before(begin, &ends.rigid[0]);
-        let key = (body.number, Surface::HalfSpace(number));
-        let lean = normal + direction(&facing).unwrap_or_default();
-        let draft = Draft { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: normal, lean };
-        let pair = self.pair(key, Some(&half_space.material));
-        self.finish(draft, pair, ends, Some((name, at, None)));
+impl<T: Scalar> RowBuilder<'_, T> {
+    /// Adds a row for each vertex and patch that is pressed.
+    pub(super) fn add_half_space_rows(&mut self, (number, half_space): (u32, &HalfSpace), below: &Below<T>) {
+        let (normal, mut bearing_begin) = (half_space.normal, 0);
+        for &Pressed { body, name, depth, area, facing, bearing_end } in &below.pressed {
+            let body = &self.bodies[body];
+            let bearing = &below.bearing[bearing_begin..bearing_end];
+            bearing_begin = bearing_end;
+            let vertex = AnchorPoint { vertices: [name; 3], weights: [1.0, 0.0, 0.0], height: 0.0 };
+            let (at, on) = if bearing.is_empty() { (vertex, None) } else { (AnchorPoint::NOWHERE, Some(bearing)) };
+            let end = End { at: &at, on };
+            let mut ends = Ends::default();
+            let begin = self.rows.entries.len();
+            self.add_end(&mut ends, 0, body, &end, None, &end.point_ahead(body));
+            ends.leaning = -self.velocity_before(begin, &ends.rigid[0]);
+            let key = (body.number, Surface::HalfSpace(number));
+            let lean = normal + direction(&facing).unwrap_or_default();
+            let draft = Draft { key, direction: normal, depth, cos_alpha: 1.0, area, pushes: normal, lean };
+            let pair = self.pair(key, Some(&half_space.material));
+            self.finish(draft, pair, ends, Some((name, at, None)));
+        }
     }
 }

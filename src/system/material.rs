@@ -10,8 +10,8 @@ pub struct Material {
     pub damping_time: f64,
     /// Coulomb's coefficient, static and kinetic; from 0 to 2⁸⁰.
     pub friction: f64,
-    /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. What the
-    /// bodies close within the step is met in full.
+    /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. Bodies that
+    /// start deep part no faster than by this over the damping time. What they close within the step is met in full.
     pub depth_cap: f64,
     /// How fast two bodies that meet part again, over the speed with which they met; from 0 to 1. Above 0, an impact of
     /// bodies that are not deformable is over in one step of implicit Euler, however soft and damped their surfaces are, and
@@ -41,7 +41,7 @@ impl Material {
 
     /// The material of an elastic body, by its Young's modulus (Pa), Poisson's ratio and the edge (m) of its elements: it bears
     /// the largest pressure that a strongly squeezed body meets, its Young's modulus or, where that is more, its bulk modulus,
-    /// at a fortieth of an edge.
+    /// at a fortieth of an edge. The cap is a twentieth of an edge.
     ///
     /// # Errors
     /// [`SystemError::Material`] where a number is out of its range.
@@ -52,7 +52,8 @@ impl Material {
             return Err(SystemError::Material { what, value: poissons_ratio, range });
         }
         let bulk_modulus = youngs_modulus / (3.0 - 6.0 * poissons_ratio);
-        Self::bearing(youngs_modulus.max(bulk_modulus), element_edge / 40.0)
+        let bearing = Self::bearing(youngs_modulus.max(bulk_modulus), element_edge / 40.0)?;
+        Ok(Self { depth_cap: element_edge / 20.0, ..bearing })
     }
 
     /// The material of a contact between two bodies, unless the pair has one of its own. The two surfaces are springs in

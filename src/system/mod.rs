@@ -111,7 +111,7 @@ pub struct ContactSystem<T: Scalar> {
     pub(crate) loads: PairLoads,
     pub(crate) step: Option<Step>,
     pub(crate) buffers: Buffers,
-    below: Below<T>,
+    below: [Below<T>; 8],
 }
 
 impl<T: Scalar> ContactSystem<T> {

@@ -71,7 +71,7 @@ impl<T: Scalar> ContactSystem<T> {
                 let Ok(mesh) = scene.mesh(body.number) else { continue };
                 let key = (body.number, Surface::HalfSpace(number as u32));
                 let (material, _) = material_of(bodies, pair_materials, key, Some(&half_space.material));
-                sum += material.stiffness * below.energy(half_space, body, mesh, material.depth_cap);
+                sum += material.stiffness * below[0].energy(half_space, body, mesh, material.depth_cap);
             }
         }
         sum

@@ -327,7 +327,7 @@ impl<'a, T: Scalar> RowBuilder<'a, T> {
         // floor, goes with that motion.
         let unseen = (time * row.ahead.across.dot(&pushes)).max(0.0) / cos_alpha;
         let depth = if depth > unseen { depth - unseen } else { 0.0 };
-        row.depth = Row::capped(depth, cos_alpha, time * row.ahead.along, material.depth_cap);
+        row.depth = Row::capped(depth, time * row.ahead.along, material.depth_cap);
         self.rows.rows.room_for(1).push(row);
     }
 

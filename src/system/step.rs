@@ -124,10 +124,8 @@ impl<T: Scalar> ContactSystem<T> {
         Buffers::predict(&mut buffers.predicted, &buffers.positions, &buffers.ahead, time);
         let course = buffers.course(time);
         rows.host = scene.lent_threads();
-        let deformable = bodies.iter().filter(|body| body.nodes().is_some());
-        let is_much = deformable.map(Body::vertex_count).sum::<usize>() >= FEWEST_VERTICES;
         let known: &Scene<T> = scene;
-        rows.helpers(is_much).for_each(bodies, |_, body| {
+        rows.helpers(has_many_vertices(bodies)).for_each(bodies, |_, body| {
             if !is_left(known, body.number) {
                 body.go(&course);
             }
@@ -171,18 +169,27 @@ impl<T: Scalar> ContactSystem<T> {
         let before = buffers.before();
         rows.stamp = next_stamp();
         rows.make_room(node_masses.len());
+        let helpers = rows.helpers(has_many_vertices(bodies));
         let mut builder =
             RowBuilder { weighting, bodies, pair_materials, node_masses, rows, anchors, loads, course, before };
         let first = builder.rows.rows.len();
         builder.add_contacts(contacts, wanted);
         if let Some(scene) = scene {
             builder.add_escapes(contacts.pushes());
+            let (bodies, shares) = (builder.bodies, below.len());
             for (number, half_space) in self.half_spaces.iter().enumerate() {
-                for (index, body) in bodies.iter().enumerate().filter(|(_, body)| !scene.is_foreign(body.number)) {
-                    if let Ok(mesh) = scene.mesh(body.number) {
-                        let is_deep = builder.add_half_space_rows((number as u32, half_space), index, mesh, below);
-                        contacts.statistics.deep_pairs += u64::from(is_deep);
+                helpers.for_each(below, |share, below| {
+                    below.clear();
+                    for index in bodies.len() * share / shares..bodies.len() * (share + 1) / shares {
+                        let body = &bodies[index];
+                        if let Some(mesh) = scene.mesh(body.number).ok().filter(|_| !scene.is_foreign(body.number)) {
+                            below.find_pressed(half_space, (index, body), mesh, time > 0.0);
+                        }
                     }
+                });
+                for below in &*below {
+                    builder.add_half_space_rows((number as u32, half_space), below);
+                    contacts.statistics.deep_pairs += below.deep_bodies;
                 }
             }
         }
@@ -274,4 +281,10 @@ impl<T: Scalar> ContactSystem<T> {
         let twist = self.buffers.end_twists.get(6 * index..6 * index + 6);
         twist.and_then(|twist| twist.try_into().ok()).ok_or(unknown)
     }
+}
+
+/// Whether so many vertices are carried by nodes that threads pay.
+fn has_many_vertices<T: Scalar>(bodies: &[Body<T>]) -> bool {
+    let deformable = bodies.iter().filter(|body| body.nodes().is_some());
+    deformable.map(Body::vertex_count).sum::<usize>() >= FEWEST_VERTICES
 }

@@ -14,7 +14,7 @@ struct Team {
   template <class Work>
   void operator()(std::size_t count, const Work& work) const {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (count > 1)
 #endif
     for (std::size_t index = 0; index < count; ++index) work(index);
   }
