@@ -111,6 +111,7 @@ pub struct ContactSystem<T: Scalar> {
     pub(crate) loads: PairLoads,
     pub(crate) step: Option<Step>,
     pub(crate) buffers: Buffers,
+    /// Of an eighth of the bodies each, so that threads may share them.
     below: [Below<T>; 8],
 }
 

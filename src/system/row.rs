@@ -123,10 +123,10 @@ impl Row {
         self.rigid.iter().flatten().for_each(|end| end.add_load(&-force, loads));
     }
 
-    /// The depth that a step is to undo. The cap limits the depth that there was at the start of the step: so the damper lets no
-    /// row part faster than by the cap over the damping time. What bodies close within the step is undone in full.
-    pub(super) fn capped(depth: f64, closing: f64, cap: f64) -> f64 {
-        let most = cap + closing.max(0.0);
+    /// The depth that a step is to undo. The cap limits the depth of the pressure, `depth` · `cos_alpha`, that there was at the
+    /// start of the step; what bodies close within the step is undone in full.
+    pub(super) fn capped(depth: f64, cos_alpha: f64, closed: f64, cap: f64) -> f64 {
+        let most = cap / cos_alpha + closed;
         if depth > most { most } else { depth }
     }
 

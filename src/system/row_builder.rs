@@ -327,7 +327,10 @@ impl<'a, T: Scalar> RowBuilder<'a, T> {
         // floor, goes with that motion.
         let unseen = (time * row.ahead.across.dot(&pushes)).max(0.0) / cos_alpha;
         let depth = if depth > unseen { depth - unseen } else { 0.0 };
-        row.depth = Row::capped(depth, time * row.ahead.along, material.depth_cap);
+        let closed = (time * row.ahead.along).max(0.0);
+        row.depth = Row::capped(depth, cos_alpha, closed, material.depth_cap);
+        // However long a row is, it parts no faster than by the cap over the damping time.
+        row.damping_time *= ((row.depth - closed) / material.depth_cap).max(1.0);
         self.rows.rows.room_for(1).push(row);
     }
 
