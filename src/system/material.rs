@@ -10,8 +10,9 @@ pub struct Material {
     pub damping_time: f64,
     /// Coulomb's coefficient, static and kinetic; from 0 to 2⁸⁰.
     pub friction: f64,
-    /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. Bodies that
-    /// start deep part no faster than by this over the damping time. What they close within the step is met in full.
+    /// The depth, in m, beyond which one step asks for no more force than there: > 0, and infinity for none. In a step that
+    /// looks ahead, bodies that start deep part no faster than by this over the damping time. What they close within the
+    /// step is met in full.
     pub depth_cap: f64,
     /// How fast two bodies that meet part again, over the speed with which they met; from 0 to 1. Above 0, an impact of
     /// bodies that are not deformable is over in one step of implicit Euler, however soft and damped their surfaces are, and

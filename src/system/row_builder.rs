@@ -329,8 +329,11 @@ impl<'a, T: Scalar> RowBuilder<'a, T> {
         let depth = if depth > unseen { depth - unseen } else { 0.0 };
         let closed = (time * row.ahead.along).max(0.0);
         row.depth = Row::capped(depth, cos_alpha, closed, material.depth_cap);
-        // However long a row is, it parts no faster than by the cap over the damping time.
-        row.damping_time *= ((row.depth - closed) / material.depth_cap).max(1.0);
+        // However long a row is, it parts no faster than by the cap over the damping time. An explicit step would have to be the
+        // shorter for it.
+        if time > 0.0 {
+            row.damping_time *= ((row.depth - closed) / material.depth_cap).max(1.0);
+        }
         self.rows.rows.room_for(1).push(row);
     }
 

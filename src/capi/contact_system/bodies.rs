@@ -42,8 +42,8 @@ pub struct rayc_material {
     /// Coulomb's coefficient, static and kinetic; from 0 to 2^80.
     pub friction: f64,
     /// At more than this depth, in m, a contact pushes no harder in one step than at this depth; > 0, and infinity for
-    /// no cap. Bodies that start deep part no faster than by the cap over the damping time. By as much as bodies come
-    /// nearer within the step they are pushed back in full.
+    /// no cap. In a step that looks ahead, bodies that start deep part no faster than by the cap over the damping time. By as
+    /// much as bodies come nearer within the step they are pushed back in full.
     pub depth_cap: f64,
     /// How fast two bodies that meet part again, over the speed with which they met; from 0 to 1. Above 0, an impact of
     /// bodies that are not deformable is over in one step of implicit Euler, however soft and damped their surfaces are;
