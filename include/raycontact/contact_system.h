@@ -120,8 +120,8 @@ typedef struct rayc_material {
   double friction;
   /**
    * At more than this depth, in m, a contact pushes no harder in one step than at this depth; > 0, and infinity for
-   * no cap. Bodies that start deep part no faster than by the cap over the damping time. By as much as bodies come
-   * nearer within the step they are pushed back in full.
+   * no cap. In a step that looks ahead, bodies that start deep part no faster than by the cap over the damping time. By as
+   * much as bodies come nearer within the step they are pushed back in full.
    */
   double depth_cap;
   /**
