@@ -45,22 +45,6 @@ if(TARGET PkgConfig::bullet)
     endforeach()
 endif()
 
-# Once more in float with the address and the undefined-behaviour sanitizer: the adapter is all in headers, so it is
-# instrumented although Bullet is not. All of them take more than a minute longer.
-if(TARGET PkgConfig::bullet AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-    set(sanitized_tests contact_law rigid_bodies)
-    if(RAYCONTACT_LONG_TESTS)
-        list(APPEND sanitized_tests links own_contacts soft_bodies supports)
-    endif()
-    foreach(test IN LISTS sanitized_tests)
-        set(sanitized bullet_${test}_sanitized)
-        raycontact_add_bullet_test(${sanitized} ${test} PkgConfig::bullet 32)
-        target_compile_options(${sanitized} PRIVATE -O1 -fsanitize=address,undefined -fno-sanitize-recover=all)
-        target_link_options(${sanitized} PRIVATE -fsanitize=address,undefined)
-        set_tests_properties(${sanitized} PROPERTIES TIMEOUT 600)
-    endforeach()
-endif()
-
 # A mixture of Bullet's two builds must not compile: each way round.
 if(TARGET PkgConfig::bullet)
     foreach(mixture IN ITEMS 32:-DBT_USE_DOUBLE_PRECISION 64:-UBT_USE_DOUBLE_PRECISION)

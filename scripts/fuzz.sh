@@ -50,7 +50,7 @@ folder="$root/target/fuzz"
 # For this processor alone: what others would run is never reached here, and takes two thirds of the build.
 coverage=(level=4 inline-8bit-counters pc-table trace-compares stack-depth)
 RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="$folder" \
-    RUSTFLAGS="--cfg fuzzing -Ctarget-cpu=native -Zsanitizer=address -Ccodegen-units=16 -Cpasses=sancov-module \
+    RUSTFLAGS="--cfg fuzzing -Ctarget-cpu=native -Zsanitizer=address -Cpasses=sancov-module \
 ${coverage[*]/#/-Cllvm-args=-sanitizer-coverage-}" \
     cargo build --release --locked --quiet --manifest-path tests/fuzz/Cargo.toml --target "$host" ||
     fail 'the build failed, see above'

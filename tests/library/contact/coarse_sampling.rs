@@ -47,23 +47,21 @@ pub fn scenes() -> Vec<(&'static str, [Shape; 2])> {
     ]
 }
 
-/// So many samples cover the overlap box's largest face.
-const DENSE: f64 = 20_000.0;
+/// Contacts of samples of which so many cover the overlap box's largest face, for `errors`.
+pub fn dense<T: Scalar>(meshes: &[Mesh<T>; 2], samples: f64) -> ContactList<T> {
+    let overlap = meshes[0].aabb().intersection(meshes[1].aabb());
+    let [x, y, z]: [T; 3] = (overlap.upper - overlap.lower).into();
+    let spacing = Sampling::Spacing(((x * y).max(y * z).max(z * x) / T::of(samples)).sqrt());
+    let finest = detect(meshes, Layout::Bvh, spacing);
+    assert_eq!(finest.statistics.uncut_pieces, 0, "{} samples are not as dense as they should be", finest.len());
+    finest
+}
 
 /// How far force and torque are from those of dense samples, as parts of the force and the force times the overlap box's half
 /// diagonal; where forces cancel, of a tenth of them all.
-pub fn errors<T: Scalar>(meshes: &[Mesh<T>; 2], found: &ContactList<T>) -> [f64; 2] {
-    errors_against(meshes, found, DENSE)
-}
-
-/// The same with another number of dense samples.
-pub fn errors_against<T: Scalar>(meshes: &[Mesh<T>; 2], found: &ContactList<T>, dense: f64) -> [f64; 2] {
+pub fn errors<T: Scalar>(meshes: &[Mesh<T>; 2], found: &ContactList<T>, finest: &ContactList<T>) -> [f64; 2] {
     let overlap = meshes[0].aabb().intersection(meshes[1].aabb());
-    let [x, y, z]: [T; 3] = (overlap.upper - overlap.lower).into();
-    let dense = Sampling::Spacing(((x * y).max(y * z).max(z * x) / T::of(dense)).sqrt());
-    let finest = detect(meshes, Layout::Bvh, dense);
-    assert_eq!(finest.statistics.uncut_pieces, 0, "{} samples are not as dense as they should be", finest.len());
-    let [exact, has] = [&finest, found].map(|list| load(&list.contacts, &overlap.centre()));
+    let [exact, has] = [finest, found].map(|list| load(&list.contacts, &overlap.centre()));
     let all =
         finest.contacts.iter().fold(T::zero(), |sum, contact| sum + contact.area * contact.depth * contact.cos_alpha);
     let force = exact[0].norm().max(all * T::of(0.1));
@@ -87,6 +85,7 @@ fn a_spacing_larger_than_the_triangles_casts_fewer_rays() {
     let inside = surface_where(&meshes[0], |middle| is_inside(1, middle));
     let inside = inside + surface_where(&meshes[1], |middle| is_inside(0, middle));
     assert!(inside < 0.8 * in_box, "{inside} of {in_box}");
+    let finest = dense(&meshes, 20_000.0);
     for (spacing, tolerance) in [(0.05, 0.005), (0.1, 0.01), (0.2, 0.05)] {
         let found = detect(&meshes, Layout::Bvh, Sampling::Spacing(spacing));
         let squares = found.statistics.rays as f64 * spacing * spacing;
@@ -97,7 +96,7 @@ fn a_spacing_larger_than_the_triangles_casts_fewer_rays() {
         let contacts = found.len() as f64 * spacing * spacing / inside;
         assert!((1.0..2.0).contains(&contacts), "{contacts} contacts a square of {spacing}");
         assert_eq!(found.statistics.patches, found.statistics.rays);
-        let errors = errors(&meshes, &found);
+        let errors = errors(&meshes, &found, &finest);
         assert!(errors.iter().all(|error| *error < tolerance), "{spacing}: {errors:?}");
     }
 }
