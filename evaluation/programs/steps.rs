@@ -17,6 +17,7 @@ Runs steps of detection on a workload of moving tori, for tools that count what 
   --mode MODE       paper: rays from the vertices, nothing else; default: the library's defaults; ray-length:
                     the defaults with the paper's law; spacing:LENGTH and accuracy:PART: the defaults with such a sampling (default paper)
   --precision P     single or double, the C interface's default (default single)
+  --carrier D       how far apart the unknowns of all bodies are said to be: 0 where vertices are nodes (default: not said)
   --help            this text
 
 Prints steps=N contacts=N, the contacts of the last step.
@@ -140,6 +141,8 @@ pub fn main(mut arguments: Arguments) -> ExitCode {
     let steps = arguments.value("--steps", 10);
     let mode = arguments.value("--mode", "paper".to_owned());
     let precision = arguments.value("--precision", "single".to_owned());
+    let carrier: f64 = arguments.value("--carrier", f64::NAN);
+    let carrier = Some(carrier).filter(|spacing| !spacing.is_nan());
     let (Some(singles), Some(doubles)) = (options::<f32>(&mode), options::<f64>(&mode)) else {
         arguments.fail(&format!("unknown mode '{mode}': paper, default, ray-length, spacing:LENGTH or accuracy:PART"))
     };
@@ -151,8 +154,8 @@ pub fn main(mut arguments: Arguments) -> ExitCode {
     }
     arguments.finish();
     let counted = match precision.as_str() {
-        "double" => run(&poses, sides, steps, doubles),
-        _ => run(&poses, sides, steps, singles),
+        "double" => run(&poses, sides, steps, doubles, carrier),
+        _ => run(&poses, sides, steps, singles, carrier),
     };
     match counted {
         Ok(contacts) => {
@@ -172,6 +175,7 @@ fn run<T: Scalar>(
     sides: Option<[u32; 2]>,
     steps: u32,
     options: DetectionOptions<T>,
+    carrier: Option<f64>,
 ) -> Result<usize, Box<dyn Error>> {
     let mut scene = Scene::<T>::new(1)?;
     scene.set_options(options);
@@ -181,7 +185,9 @@ fn run<T: Scalar>(
         for (step, frame) in (0..).zip(&mut frames) {
             frame.push(rest.iter().map(|&point| moved(point, step)).collect::<Vec<_>>());
         }
-        scene.add(Mesh::new(&frames[0][body], &triangles)?);
+        let mut mesh = Mesh::new(&frames[0][body], &triangles)?;
+        carrier.map_or(Ok(()), |spacing| mesh.set_carrier_spacing(T::of(spacing)))?;
+        scene.add(mesh);
     }
     let mut contacts = ContactList::default();
     for step in 0..steps {

@@ -11,6 +11,7 @@ mod escape_push;
 mod fixed_shares;
 mod list;
 mod options;
+mod outline;
 mod pair;
 mod point_pair;
 mod potential;

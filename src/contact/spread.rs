@@ -1,5 +1,6 @@
 //! Over which vertices contacts spread their loads.
 
+use crate::contact::outline::{Flat, Outline};
 use crate::contact::point_pair::{Contact, SpreadNumber, SurfacePoint};
 use crate::math::{Scalar, Vector3};
 use crate::memory::{self, Room};
@@ -93,6 +94,7 @@ impl<T: Scalar> Spreads<T> {
 pub(crate) struct SpreadWorkspace<T: Scalar> {
     pub(crate) ends: [EndWorkspace<T>; 2],
     pub(crate) marks: Marks,
+    pub(crate) outline: Outline<T>,
 }
 
 /// The vertices that bear one end, with their weights, and their positions.
@@ -100,6 +102,8 @@ pub(crate) struct SpreadWorkspace<T: Scalar> {
 pub(crate) struct EndWorkspace<T: Scalar> {
     pub(crate) vertices: Vec<(u32, T)>,
     pub(crate) positions: Vec<Vector3<T>>,
+    /// The same, seen along the push.
+    pub(crate) flat: Vec<Flat<T>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -114,11 +118,27 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
+    /// Adds a triangle to those met, unless it is there.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn meet(&mut self, triangle: u32) {
+        if !std::mem::replace(&mut self.is_met[triangle as usize], true) {
+            self.met.room_for(1).push(triangle);
+        }
+    }
+
+    /// Forgets those met.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn forget(&mut self) {
+        self.met.iter().for_each(|&triangle| self.is_met[triangle as usize] = false);
+        self.met.clear();
+    }
+
     /// Makes marks for two meshes.
     pub(crate) fn start(&mut self, topologies: [&Topology; 2]) {
         if std::mem::replace(&mut self.is_unfinished, true) {
             self.numbers.clear();
             self.is_met.clear();
+            self.met.clear();
         }
         for topology in topologies {
             let [vertices, triangles] = [topology.vertex_count(), topology.triangles().len()];

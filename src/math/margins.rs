@@ -142,6 +142,11 @@ pub(crate) const CLEAR_GAP: f64 = 1.5;
 /// `src/mesh/facing.rs`; for up to 58 triangles, and a vertex of more is looked at by itself where it matters.
 pub(crate) const SUM_AROUND_VERTEX: f64 = 64.0;
 
+/// Which part of a triangle counts as below an outline, six times: each edge adds to it a sum of three terms of at most 3, of 8 units
+/// each, for up to 40 edges. What more edges leave is a load of that size on a triangle beside it. Held by
+/// `src/contact/outline.rs`.
+pub(crate) const COVERED: f64 = 1024.0;
+
 /// The planes between a classic octree's cells; times its side: one at each of up to some tens of levels. For checks only.
 pub(crate) const CELL_PLANE: f64 = 64.0;
 

@@ -64,7 +64,7 @@ pub struct Mesh<T: Scalar> {
     all: OnceLock<Vec<Vector3<T>>>,
     /// How far apart the unknowns are that move its vertices, where the host has said so.
     told_spacing: Option<T>,
-    carrier: Carrier<T>,
+    carrier: Option<Carrier<T>>,
     /// Shared by clones.
     reference: Arc<Reference<T>>,
 }
@@ -188,7 +188,7 @@ impl<T: Scalar> Mesh<T> {
             placed: Vec::new(),
             all: OnceLock::new(),
             told_spacing: None,
-            carrier: Carrier { spacing: T::zero(), are_vertices_nodes: true },
+            carrier: None,
             reference: memory::shared(Reference { positions: reference, holes, ..Reference::default() }),
         };
         mesh.place(positions, false)?;
@@ -295,8 +295,9 @@ impl<T: Scalar> Mesh<T> {
     /// Says how far apart the unknowns are that move its vertices, in m: 0 where the vertices are unknowns themselves or it is
     /// a rigid body, the distance between nodes where a cage carries it, infinity where nothing moves it. With
     /// [`Accuracy`](crate::contact::Sampling::Accuracy) the samples of a pair stand no closer to one another than the unknowns
-    /// of the finer one of both. Where neither has 0, a contact's force acts on the triangles at its two ends alone. A host that
-    /// never calls this has 0, or in a contact system what that knows.
+    /// of the finer one of both. Where neither has 0, a contact's force acts on the triangles at its two ends alone. Where this
+    /// mesh has it, its vertices bear what the other's rays bring as an even pressure on the areas of these does. That takes half
+    /// a step longer or more. A host that never calls this has 0 without that, or in a contact system what that knows.
     ///
     /// # Errors
     /// [`MeshError::CarrierSpacing`] where it is negative or NaN.
@@ -310,16 +311,22 @@ impl<T: Scalar> Mesh<T> {
 
     /// Sets what moves the mesh unless the host has said so.
     pub(crate) fn carry_by(&mut self, carrier: Carrier<T>) {
-        self.carrier = carrier;
+        self.carrier = Some(carrier);
     }
 
     pub(crate) fn carrier_spacing(&self) -> T {
-        self.told_spacing.unwrap_or(self.carrier.spacing)
+        self.told_spacing.or(self.carrier.map(|carrier| carrier.spacing)).unwrap_or(T::zero())
     }
 
     /// Whether the vertices are unknowns, so that it matters on which of them a load lies.
     pub(crate) fn are_vertices_nodes(&self) -> bool {
-        self.told_spacing.map_or(self.carrier.are_vertices_nodes, |spacing| spacing == T::zero())
+        let known = self.carrier.is_none_or(|carrier| carrier.are_vertices_nodes);
+        self.told_spacing.map_or(known, |spacing| spacing == T::zero())
+    }
+
+    /// Whether the host or a contact system has said that.
+    pub(crate) fn are_vertices_known_nodes(&self) -> bool {
+        self.are_vertices_nodes() && (self.told_spacing.is_some() || self.carrier.is_some())
     }
 
     /// Triangles, neighbourhoods and vertices.

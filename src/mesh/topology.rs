@@ -20,6 +20,8 @@ pub struct Topology {
     surface_vertices: Vec<u32>,
     /// Found when [`edge_list`](Self::edge_list) is first called.
     edges: OnceLock<Vec<Edge>>,
+    /// Found when [`across`](Self::across) is first called.
+    neighbours: OnceLock<Vec<[u32; 3]>>,
     components: Vec<u32>,
     is_open: bool,
 }
@@ -47,6 +49,7 @@ impl Topology {
             around,
             around_start,
             edges: OnceLock::new(),
+            neighbours: OnceLock::new(),
             components: components(&neighbours).1,
             is_open,
         })
@@ -121,6 +124,22 @@ impl Topology {
         let mut neighbours = memory::filled([NO_TRIANGLE; 3], self.triangles().len());
         self.edges().for_each(|edge| edges::join(&mut neighbours, edge.triangles));
         neighbours
+    }
+
+    /// The neighbours of a triangle across some of its edges, each of which starts at one of the corners.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn across(&self, triangle: u32, edges: [bool; 3]) -> impl Iterator<Item = u32> {
+        let corners = self.triangles[triangle as usize];
+        let is_across = move |&other: &u32| {
+            other != NO_TRIANGLE && {
+                let [a, b, c] = self.triangles[other as usize];
+                (0..3).any(|k| {
+                    let [from, to] = [corners[k], corners[(k + 1) % 3]];
+                    edges[k] && ((a == to && b == from) || (b == to && c == from) || (c == to && a == from))
+                })
+            }
+        };
+        self.neighbours.get_or_init(|| self.neighbours())[triangle as usize].into_iter().filter(is_across)
     }
 
     /// [`edges`](Self::edges) as a list, which is kept from then on.

@@ -16,6 +16,17 @@ impl<T: Scalar> Corners<T> {
         Self { positions, weights: [Vector3::x(), Vector3::y(), Vector3::z()] }
     }
 
+    /// The corners of a triangle's piece of this number.
+    pub(crate) fn of_piece(positions: [Vector3<T>; 3], number: u32) -> Self {
+        let mut corners = Self::of_triangle(positions);
+        for bit in (0..31 - number.leading_zeros().min(31)).rev() {
+            let Some((replaced, position, weights)) = corners.cut() else { break };
+            let corner = replaced[(number >> bit & 1) as usize];
+            (corners.positions[corner], corners.weights[corner]) = (position, weights);
+        }
+        corners
+    }
+
     /// The middle: where it is, and its barycentric weights.
     pub(crate) fn middle(&self) -> (Vector3<T>, Vector3<T>) {
         let third = T::one() / T::of(3.0);

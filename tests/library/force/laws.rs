@@ -36,8 +36,11 @@ struct Overlap {
     list: ContactList<f64>,
 }
 
-fn overlap([first, second]: [u32; 2], sampling: Sampling<f64>) -> Overlap {
-    let meshes = [torus(first, 0.0, [0.0; 3]), torus(second, 0.7, [0.3, 0.15, 0.5])];
+fn overlap([first, second]: [u32; 2], sampling: Sampling<f64>, are_known_nodes: bool) -> Overlap {
+    let mut meshes = [torus(first, 0.0, [0.0; 3]), torus(second, 0.7, [0.3, 0.15, 0.5])];
+    if are_known_nodes {
+        meshes.iter_mut().for_each(|mesh| mesh.set_carrier_spacing(0.0).expect("0 is allowed"));
+    }
     let octrees = [Octree::new(&meshes[0]), Octree::new(&meshes[1])];
     let mut list = ContactList::default();
     let options = DetectionOptions { sampling, ..DetectionOptions::default() };
@@ -51,7 +54,8 @@ fn overlaps() -> Vec<Overlap> {
     // With few contacts, most of which stand for many triangles of either body.
     let of_patches = [[1, 1], [4, 4], [1, 4], [4, 1]].map(|details| (details, Sampling::Accuracy(0.05)));
     let all = of_triangles.map(|sampling| ([1, 1], sampling)).into_iter().chain(of_patches);
-    all.map(|(details, sampling)| overlap(details, sampling)).collect()
+    let both = |(details, sampling)| [false, true].map(|are_known_nodes| overlap(details, sampling, are_known_nodes));
+    all.flat_map(both).collect()
 }
 
 /// A ball that escapes from a block which has swallowed it: its contacts are all as deep as the deepest of them, however far

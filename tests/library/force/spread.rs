@@ -27,6 +27,15 @@ fn zero(meshes: [&Mesh<f64>; 2]) -> Field {
     meshes.map(|mesh| vec![Vector3::zeros(); mesh.positions().len()])
 }
 
+/// The same bodies, whose vertices are said to be nodes.
+fn nodes(meshes: [&Mesh<f64>; 2]) -> [Mesh<f64>; 2] {
+    meshes.map(|mesh| {
+        let mut mesh = mesh.clone();
+        mesh.set_carrier_spacing(0.0).expect("0 is allowed");
+        mesh
+    })
+}
+
 /// A third of the area around each vertex.
 fn areas(mesh: &Mesh<f64>) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.positions().len()];
@@ -106,6 +115,36 @@ fn no_vertex_carries_more_than_twice_what_an_even_pressure_gives_it() {
     }
 }
 
+/// The contact patch test: where vertices are said to be nodes, two flush faces load each vertex as an even pressure does, at
+/// rims and corners too, however their meshes differ.
+#[test]
+fn nodes_of_flush_faces_carry_what_an_even_pressure_gives_them() {
+    let depth = 0.01;
+    for cells in [[4, 8], [8, 4], [12, 20], [20, 28], [40, 24], [16, 60]] {
+        for tolerance in [0.1, 0.01] {
+            let meshes = [plate(cells[0], [0.0; 3]), plate(cells[1], [0.0, 0.0, 0.25 - depth])];
+            let meshes = nodes(meshes.each_ref());
+            let meshes = meshes.each_ref();
+            let list = found(meshes, Sampling::Accuracy(tolerance));
+            let mut forces = zero(meshes);
+            add_forces(&list, &law(), None::<&[Vec<Vector3<f64>>]>, None, &mut forces);
+            for (mesh, (forces, face)) in meshes.into_iter().zip(forces.iter().zip([0.0, -depth])) {
+                let mut expected = vec![0.0; forces.len()];
+                for (triangle, vertices) in (0..).zip(mesh.topology().triangles()) {
+                    if mesh.corners(triangle).iter().all(|corner| (corner.z - face).abs() < 1e-12) {
+                        let part = depth * mesh.scaled_normal(triangle).norm() / 6.0;
+                        vertices.iter().for_each(|&vertex| expected[vertex as usize] += part);
+                    }
+                }
+                for (force, expected) in forces.iter().zip(&expected).filter(|(_, expected)| **expected > 0.0) {
+                    let off = (force.z.abs() / expected - 1.0).abs();
+                    assert!(off < 1e-9, "{cells:?}, {tolerance}: off by {off}");
+                }
+            }
+        }
+    }
+}
+
 /// An explicit host may take as long a step as with contacts from each triangle. Those from each vertex have shares of their own,
 /// by which steps differ more.
 #[test]
@@ -128,6 +167,7 @@ fn stable_steps_are_as_long_as_with_a_sample_for_each_triangle() {
     for (name, shapes) in pairs {
         let meshes = shapes.each_ref().map(|shape| shape.mesh());
         let meshes = meshes.each_ref();
+        let said = nodes(meshes);
         let of_vertices = largest_eigenvalue(meshes, &found(meshes, Sampling::Vertices));
         // Here the ball carries all of the load, of which vertices give it a half.
         let least = if name == "a ball in a fine cube" { 0.65 } else { 0.8 };
@@ -138,8 +178,11 @@ fn stable_steps_are_as_long_as_with_a_sample_for_each_triangle() {
             let mut alone = list.clone();
             alone.contacts.iter_mut().for_each(|contact| contact.spread = SpreadNumber::default());
             let alone = (of_vertices / largest_eigenvalue(meshes, &alone)).sqrt();
-            println!("{name}, {tolerance}: {} contacts, step {step:.2}, alone {alone:.2}", list.len());
-            assert!(step > least, "{name}, {tolerance}: {step}");
+            // Where vertices are said to be nodes.
+            let list = found(said.each_ref(), Sampling::Accuracy(tolerance));
+            let exact = (of_vertices / largest_eigenvalue(said.each_ref(), &list)).sqrt();
+            println!("{name}, {tolerance}: {} contacts, step {step:.2}, {exact:.2}, alone {alone:.2}", list.len());
+            assert!(step > least && exact > least, "{name}, {tolerance}: {step} {exact}");
         }
     }
 }
@@ -156,7 +199,10 @@ fn any_number_of_threads_spreads_the_same_loads() {
         let positions = [0, 1, 2, 3].map(|number| {
             let mesh: Mesh<f64> = body(number).mesh();
             let positions = mesh.positions().to_vec();
-            scene.add(mesh);
+            let body = scene.add(mesh);
+            if number > 1 {
+                scene.mesh_mut(body).expect("it is there").set_carrier_spacing(0.0).expect("0 is allowed");
+            }
             positions
         });
         let mut list = ContactList::default();
