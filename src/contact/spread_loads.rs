@@ -54,7 +54,7 @@ fn bear<T: Scalar>(
     outline: &mut Outline<T>,
     marks: &mut Marks,
 ) -> bool {
-    let is_exact = second.mesh.are_vertices_known_nodes();
+    let mut is_exact = second.mesh.are_vertices_known_nodes();
     let from = first.local(&contact.p1.position);
     outline.clear();
     match patch {
@@ -68,23 +68,23 @@ fn bear<T: Scalar>(
         None => {
             first.bear_on_corners(&contact.p1);
             if is_exact {
-                let corners = first.mesh.corners(contact.p1.triangle);
-                let [a, b, c] = Corners::of_piece(corners, contact.piece).positions;
-                let axes = first.axes();
+                let piece = Corners::of_piece(first.mesh.corners(contact.p1.triangle), contact.piece);
+                // A vertex is no piece, and what was halved more than 30 times is not known by its number.
+                is_exact = piece.middle().0 == contact.p1.position;
+                let ([a, b, c], axes) = (piece.positions, first.axes());
                 [[a, b], [b, c], [c, a]].into_iter().for_each(|edge| first.outline_edge(edge, &from, &axes, outline));
             }
         }
     }
     // The pair feels no torque if the means of both ends lie on one line along the force.
     let aside = first.mean() - from;
-    let triangle = contact.p2.triangle;
     // With weights that fall to 0 there, the area counts a little more than once.
     let square = area * first.factor * first.factor * T::of(0.7);
     let is_borne = second.bear_evenly(&aside, marks, |end, size, marks| {
         if is_exact {
-            end.load_below(triangle, outline, size, marks)
+            end.load_below(contact.p2.triangle, outline, size, marks)
         } else {
-            end.load_around(triangle, square * size * size, marks)
+            end.load_around(contact.p2.triangle, square * size * size, marks)
         }
     });
     if is_borne {
