@@ -206,13 +206,13 @@ enum rayc_status rayc_scene_release_body_numbers(struct rayc_scene *scene);
 enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene, uint32_t body, uint32_t is_on);
 
 /**
- * Says how far apart the unknowns are that move a body's vertices: 0, as at first, where the vertices are unknowns or the
- * body is rigid; the distance between nodes where a cage carries it; infinity where nothing moves it. With an accuracy the
- * samples of a pair stand no closer to one another than the unknowns of the finer one of both; where neither has 0, its
- * contacts' loads are not spread. Where it is said to be 0, the body's vertices bear what the other's rays bring as an even
- * pressure on the areas of these does: two elastic bodies with different meshes that are pressed together flush have the same
- * stress everywhere. Detection takes half a step longer or more. From the next query on. A contact system knows it, but what
- * is said here counts.
+ * Says how far apart the unknowns are that move a body's vertices: 0 where the vertices are unknowns; the distance between
+ * nodes where a cage carries it; infinity where nothing moves it. A rigid body need not be told. With an accuracy the samples
+ * of a pair stand no closer to one another than the unknowns of the finer one of both, and where neither has 0, its contacts'
+ * loads are not spread. A body that is not told counts as one with 0 there. Where 0 was said, the body's vertices also bear
+ * what the other's rays bring as an even pressure on the areas of these does: two elastic bodies with different meshes that
+ * are pressed together flush have the same stress everywhere. Detection takes half a step longer or more. From the next query
+ * on. A contact system knows it, but what is said here counts.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where it is negative or NaN.
  */

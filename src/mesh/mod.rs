@@ -292,8 +292,8 @@ impl<T: Scalar> Mesh<T> {
         &self.reference.positions
     }
 
-    /// Says how far apart the unknowns are that move its vertices, in m: 0 where the vertices are unknowns themselves or it is
-    /// a rigid body, the distance between nodes where a cage carries it, infinity where nothing moves it. With
+    /// Says how far apart the unknowns are that move its vertices, in m: 0 where the vertices are unknowns themselves, the
+    /// distance between nodes where a cage carries it, infinity where nothing moves it. A rigid body need not be told. With
     /// [`Accuracy`](crate::contact::Sampling::Accuracy) the samples of a pair stand no closer to one another than the unknowns
     /// of the finer one of both. Where neither has 0, a contact's force acts on the triangles at its two ends alone. Where this
     /// mesh has it, its vertices bear what the other's rays bring as an even pressure on the areas of these does. That takes half
