@@ -38,6 +38,7 @@ def figure8(rows):
 FORCES = {"references": "", "aside": "lateral force over what is allowed, ", "steps": "jump at one of 1000 steps, %: ",
           "paths": "net work of closed paths, %: ", "slab": "error to k × volume, %: ",
           "rolled": "tangential over normal force, %: "}
+FORCE_LAWS = {"ray length": "the paper's law", "default": "pressure", "accuracy 0.001": "pressure, 0.001"}
 # The same of those that have one law.
 HARD = {"dense": "net force to that at 0.0005, %: ", "threads": "axial force to that of dense samples, %: ",
         "patch": "stress to its mean, %: "}
@@ -85,7 +86,7 @@ def tables(folder):
     errors = document_tables.rows(os.path.join(folder, "accuracy", "convergence.csv"))
     measured = document_tables.rows(os.path.join(folder, "accuracy", "forces.csv"))
     return {
-        "forces": forces(measured, FORCES, {"ray length": "the paper's law", "default": "pressure"}),
+        "forces": forces(measured, FORCES, FORCE_LAWS),
         "hard forces": forces(measured, HARD, {"default": "0.01, the default", "accuracy 0.001": "0.001"}),
         "figure8": figure8(document_tables.rows(os.path.join(folder, "accuracy", "figure8.csv"))),
         "convergence": convergence(errors, DEFAULTS),

@@ -38,7 +38,8 @@ const FEWEST_CLOSE: usize = 12;
 const SQUARE_OF_TILES_TIMES_TOUCHING: usize = 512;
 /// How many random pairs are tried for each triangle then: more, since few touch where few triangles are large.
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
-/// After one in this many of these pairs, a body in order is recognised.
+/// After one in this many of these pairs, a body in order is recognised; after fewer where more than [`FEWEST_TOUCHING`] of them
+/// would touch if it were tangled.
 const FIRST_PART_FOR_RAYS: usize = 8;
 /// At least this many pairs must touch: fewer may be chance in a body that passes through itself in one place.
 const FEWEST_TOUCHING: usize = 12;
@@ -119,10 +120,11 @@ pub(crate) fn is_tangled<T: Scalar>(mesh: &Mesh<T>) -> bool {
 /// Whether a body is tangled for rays that have this many of its tiles on their way, judged by random pairs of its triangles. A
 /// body in order is known after the first part of the pairs, if less than half as many touch as would be enough.
 pub(crate) fn is_tangled_for_rays<T: Scalar>(mesh: &Mesh<T>, tiles: usize) -> bool {
-    let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / FIRST_PART_FOR_RAYS;
     let enough = (SQUARE_OF_TILES_TIMES_TOUCHING * PAIRS_TRIED_FOR_RAYS / (tiles * tiles)).max(FEWEST_TOUCHING);
+    let part = (enough / FEWEST_TOUCHING).max(FIRST_PART_FOR_RAYS);
+    let first = mesh.topology().triangles().len() * PAIRS_TRIED_FOR_RAYS / part;
     let touch_often = judge_by_random_pairs(mesh, PAIRS_TRIED_FOR_RAYS, |tried, _, touching| {
-        let is_in_order = tried == first && touching * FIRST_PART_FOR_RAYS * 2 < enough;
+        let is_in_order = tried == first && touching * part * 2 < enough;
         if touching >= enough { Some(true) } else { is_in_order.then_some(false) }
     });
     touch_often && count_folds(mesh) * VERTICES_OF_A_FOLD > mesh.topology().surface_vertices().len()

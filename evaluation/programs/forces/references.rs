@@ -65,7 +65,7 @@ pub fn measure(_poses: usize, _seed: u64) -> Vec<Row> {
     for (pair, references) in pairs {
         let (first, second) = pair.split_once('-').expect("two shapes");
         let (first, resting) = (shape(first), shape(second));
-        for mode in [Mode::RayLength, Mode::Default] {
+        for mode in [Mode::RayLength, Mode::Default, Mode::Accurate] {
             let forces: Vec<Vector> = references
                 .iter()
                 .map(|reference| {

@@ -19,7 +19,7 @@ pub fn measure(poses: usize, seed: u64) -> Vec<Row> {
     let (egg, lens) = (ellipsoid([1.0, 0.7, 0.5]), ellipsoid([1.0, 1.0, 0.25]));
     let mut rows = Vec::new();
     for (name, shape) in [("ball", icosphere(16)), ("ellipsoid", egg), ("lens", lens)] {
-        for mode in [Mode::RayLength, Mode::Default] {
+        for mode in [Mode::RayLength, Mode::Default, Mode::Accurate] {
             let mut random = random(seed);
             let errors = (0..poses.div_ceil(10)).map(|_| sunk(mode, &shape, &mut random)).collect();
             rows.push(Row { bodies: format!("{name} in a slab"), mode, errors, targets: [0.003; 3] });
@@ -46,7 +46,7 @@ pub fn measure_rolled(poses: usize, seed: u64) -> Vec<Row> {
     let plate = || cuboid([-0.5, -0.5, -0.15], [0.5, 0.5, 0.15]);
     let mut rows = Vec::new();
     for (name, shape) in [("cube", cuboid([-0.5; 3], [0.5; 3])), ("plate", plate())] {
-        for mode in [Mode::RayLength, Mode::Default] {
+        for mode in [Mode::RayLength, Mode::Default, Mode::Accurate] {
             let mut random = random(seed);
             let one = |random: &mut dyn FnMut() -> f64| {
                 let roll = turn([random(), random(), 0.0], 3f64.to_radians());
