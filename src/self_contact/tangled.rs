@@ -28,8 +28,7 @@ const TOUCHING_OF_CLOSE: usize = 6;
 const CLOSE: usize = 96;
 /// How many random pairs are tried for each triangle.
 const PAIRS_TRIED: usize = 2;
-/// After one in this many of the pairs, a body in order is recognised: its triangles are close to fewer than
-/// [`FEWEST_CLOSE`] others on average.
+/// After one in this many of them a body in order is recognised: its triangles are close to fewer than [`FEWEST_CLOSE`] others.
 const FIRST_PART: usize = 4;
 const FEWEST_CLOSE: usize = 12;
 
@@ -38,8 +37,7 @@ const FEWEST_CLOSE: usize = 12;
 const SQUARE_OF_TILES_TIMES_TOUCHING: usize = 512;
 /// How many random pairs are tried for each triangle then: more, since few touch where few triangles are large.
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
-/// After one in this many of these pairs, a body in order is recognised; after fewer where more than [`FEWEST_TOUCHING`] of them
-/// would touch if it were tangled.
+/// After one in this many of these pairs a body in order is recognised, or after [`FEWEST_TOUCHING`] that would touch.
 const FIRST_PART_FOR_RAYS: usize = 8;
 /// At least this many pairs must touch: fewer may be chance in a body that passes through itself in one place.
 const FEWEST_TOUCHING: usize = 12;

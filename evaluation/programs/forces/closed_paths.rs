@@ -30,7 +30,7 @@ pub fn measure(poses: usize, seed: u64) -> Vec<Row> {
         ("balls", icosphere(6).scaled(0.5), icosphere(6).scaled(0.5)),
     ];
     for (name, first, second) in pairs {
-        for mode in [Mode::RayLength, Mode::Default, Mode::Accurate] {
+        for mode in [Mode::RayLength, Mode::Default] {
             let mut random = random(seed);
             let errors = (0..poses.div_ceil(10)).map(|_| one(mode, &first, &second, &mut random)).collect();
             rows.push(Row { bodies: name.into(), mode, errors, targets: [0.01, 0.05, 0.05] });
