@@ -37,7 +37,7 @@ const FEWEST_CLOSE: usize = 12;
 const SQUARE_OF_TILES_TIMES_TOUCHING: usize = 512;
 /// How many random pairs are tried for each triangle then: more, since few touch where few triangles are large.
 const PAIRS_TRIED_FOR_RAYS: usize = 16;
-/// After one in this many of these pairs a body in order is recognised, or after [`FEWEST_TOUCHING`] that would touch.
+/// After one in this many of these pairs, or sooner if [`FEWEST_TOUCHING`] should touch by then, a body in order is recognised.
 const FIRST_PART_FOR_RAYS: usize = 8;
 /// At least this many pairs must touch: fewer may be chance in a body that passes through itself in one place.
 const FEWEST_TOUCHING: usize = 12;
