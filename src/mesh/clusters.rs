@@ -85,7 +85,7 @@ fn has_few_vertices(topology: &Topology, cluster: &[u32]) -> bool {
     count <= CLUSTER_SIZE
 }
 
-/// The centre of a cluster's box, and the cluster's number.
+/// The centre of a cluster's box, or of something else, and its number.
 type Centre<T> = (Vector3<T>, u32);
 
 fn centre<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], cluster: &[u32]) -> Vector3<T> {
@@ -116,6 +116,11 @@ fn sort<T: Scalar>(centres: &mut [Centre<T>]) {
     if let Some(capacity) = capacity_below(centres.len()) {
         halve(centres, capacity);
     }
+}
+
+/// Sorts points so that those close together in the list are mostly close together in space.
+pub(crate) fn sort_points<T: Scalar>(points: &mut [(Vector3<T>, u32)]) {
+    halve(points, 1);
 }
 
 fn halve<T: Scalar>(centres: &mut [Centre<T>], capacity: usize) {

@@ -19,7 +19,7 @@ pub(crate) mod test_mesh;
 mod topology;
 mod winding;
 
-pub(crate) use clusters::{CLUSTER_SIZE, Clusters, capacity_below, middle};
+pub(crate) use clusters::{CLUSTER_SIZE, Clusters, capacity_below, middle, sort_points};
 pub(crate) use edges::Side;
 pub use edges::{Border, Edge};
 pub(crate) use error::InFile;

@@ -138,10 +138,10 @@ impl<T: Scalar> Patches<T> {
         (parts != [patch; 2]).then_some(parts)
     }
 
-    /// Whether these two patches were merged into one.
-    pub(crate) fn are_halves(&self, first: u32, second: u32) -> bool {
-        let whole = self.patches[first as usize].whole;
-        first != second && whole != first && whole != second && self.patches[second as usize].whole == whole
+    /// The patch that this one was merged with, unless its area is larger than this.
+    pub(crate) fn other_half(&self, patch: u32, largest: T) -> Option<u32> {
+        let parts = self.parts(self.patches[patch as usize].whole).filter(|parts| parts.contains(&patch))?;
+        parts.into_iter().find(|&part| part != patch && self.patches[part as usize].area <= largest)
     }
 
     /// A patch's triangles.
@@ -158,11 +158,6 @@ impl<T: Scalar> Patches<T> {
     /// The number itself, if it is that of a patch with this triangle in its middle.
     pub(crate) fn named(&self, number: u32, middle: u32) -> Option<u32> {
         self.patches.get(number as usize).filter(|patch| patch.middle == middle).map(|_| number)
-    }
-
-    /// Where a patch's triangles begin among those of all.
-    pub(crate) fn start(&self, patch: u32) -> u32 {
-        self.patches[patch as usize].start
     }
 }
 
@@ -361,7 +356,9 @@ mod tests {
                 covered.extend_from_slice(triangles);
                 let Some([first, second]) = patches.parts(patch) else { continue };
                 assert_eq!([patches.triangles_of(first), patches.triangles_of(second)].concat(), triangles);
-                assert!(patches.are_halves(first, second) && !patches.are_halves(first, patch));
+                let other_half = |part| patches.other_half(part, area);
+                assert_eq!([first, second].map(other_half), [Some(second), Some(first)]);
+                assert!(other_half(patch).is_none_or(|other| other != first && other != second));
             }
             covered.sort_unstable();
             assert_eq!(covered, (0..count).collect::<Vec<_>>());

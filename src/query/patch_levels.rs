@@ -1,6 +1,6 @@
-use crate::math::Scalar;
+use crate::math::{Aabb, Scalar};
 use crate::memory::{self, Room};
-use crate::mesh::{Mesh, Patches};
+use crate::mesh::{Mesh, sort_points};
 use std::sync::OnceLock;
 
 /// Something for each level of patches, found when first asked for.
@@ -28,7 +28,7 @@ impl<V> PatchLevels<V> {
 /// Which patches of one level reach into each group of triangles.
 #[derive(Debug)]
 pub(crate) struct PatchesOfGroups {
-    /// All patches, in their order.
+    /// All patches. Their order depends on nothing but the mesh.
     patches: Vec<u32>,
     /// The patches of group g are `patches[p]` for p in `of_group[starts[g]..starts[g + 1]]`.
     of_group: Vec<u32>,
@@ -38,11 +38,12 @@ pub(crate) struct PatchesOfGroups {
 impl PatchesOfGroups {
     /// For patches of at most this area; `group` offers the triangles of each group.
     pub(crate) fn new<T: Scalar>(
-        all: &Patches<T>,
+        mesh: &Mesh<T>,
         area: T,
         group_count: u32,
         mut group: impl FnMut(u32, &mut dyn FnMut(u32)),
     ) -> Self {
+        let all = mesh.patches();
         let (mut of_group, mut starts) = (Vec::new(), memory::filled(0, 1));
         for number in 0..group_count {
             let first = of_group.len();
@@ -54,13 +55,26 @@ impl PatchesOfGroups {
             });
             starts.room_for(1).push(of_group.len() as u32);
         }
-        let mut patches = memory::listed(of_group.iter().copied());
-        patches.sort_unstable_by_key(|&patch| all.start(patch));
+        // Neighbours in space are measured together, and halves of one whole follow one another.
+        let is_first = |&patch: &u32| all.other_half(patch, area).is_none_or(|other| patch < other);
+        let mut patches = memory::listed(of_group.iter().copied().filter(is_first));
+        patches.sort_unstable();
         patches.dedup();
-        for patch in &mut of_group {
-            let place = patches.partition_point(|&other| all.start(other) < all.start(*patch));
-            *patch = place as u32;
+        let triangles = mesh.topology().triangles();
+        let position = |vertex: u32| mesh.reference_positions()[vertex as usize];
+        let middle = |patch| triangles[all.middle(patch) as usize].map(position);
+        let mut points =
+            memory::listed(patches.drain(..).map(|patch| (Aabb::of_triangle(&middle(patch)).centre(), patch)));
+        sort_points(&mut points);
+        // There are fewer patches than triangles and merges of two.
+        let mut places = memory::filled(0, 2 * triangles.len());
+        for (_, first) in points {
+            for patch in [first].into_iter().chain(all.other_half(first, area)) {
+                places[patch as usize] = patches.len() as u32;
+                patches.room_for(1).push(patch);
+            }
         }
+        of_group.iter_mut().for_each(|patch| *patch = places[*patch as usize]);
         Self { patches, of_group, starts }
     }
 

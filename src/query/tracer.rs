@@ -47,8 +47,7 @@ impl<'a, T: Scalar> Tracer<'a, T> {
     /// The largest patches of at most about this area at the reference positions, by the groups that they reach into.
     pub(crate) fn patches_of_groups(&self, area: T) -> &'a PatchesOfGroups {
         let group = |group, offer: &mut dyn FnMut(u32)| self.triangles_of(group, offer);
-        let all = self.mesh.patches();
-        self.patches.at(self.mesh, area, |area| PatchesOfGroups::new(all, area, self.group_count(), group))
+        self.patches.at(self.mesh, area, |area| PatchesOfGroups::new(self.mesh, area, self.group_count(), group))
     }
 
     /// The first hit along the ray; at equal `t` the triangle with the smallest index. With the watertight test it is

@@ -120,34 +120,45 @@ pub(crate) struct Element<T: Scalar> {
 }
 
 impl<T: Scalar> Element<T> {
-    /// Adds a patch, unless it has no area or lies beside the overlap box.
+    /// Adds a patch or, where it is larger than `largest`, its two parts; not what has no area or lies beside the overlap box.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn add_patch<L: Lanes<T>>(
         body: u8,
         patch: u32,
+        largest: T,
         tracer: &Tracer<'_, T>,
         frame: &Frame<T>,
         pieces: &mut Vec<Piece<T>>,
         elements: &mut Vec<Self>,
     ) {
-        let mesh = tracer.mesh();
-        let patches = mesh.patches();
-        if let &[triangle] = patches.triangles_of(patch) {
-            let corners = Corners::of_triangle(mesh.corners(triangle));
-            pieces.room_for(1).push(Piece { triangle, corners, number: WHOLE, depth: 0 });
-            return Self::add_last_piece(body, frame, pieces, elements);
+        let (mesh, &Frame { middle, factor, .. }) = (tracer.mesh(), frame);
+        let mut parts = [(patch, Moments::default()); 2];
+        if let Some(numbers) = mesh.patches().parts(patch) {
+            for (part, number) in parts.iter_mut().zip(numbers) {
+                let triangles = mesh.patches().triangles_of(number);
+                // Outlined, so that it is compiled with the lanes' instructions.
+                *part = (number, L::outlined(MomentsOf { mesh, triangles, middle, factor }));
+            }
         }
-        // Outlined, so that it is compiled with the lanes' instructions.
-        let (triangles, &Frame { middle, factor, .. }) = (patches.triangles_of(patch), frame);
-        let Moments { area, vector, first, second } = L::outlined(MomentsOf { mesh, triangles, middle, factor });
-        let centroid = first / area;
-        let radius = (second / area - centroid.norm_squared()).max(T::zero()).sqrt() * T::of(2.0);
-        let is_curved = triangles.len() >= FEWEST_OF_CURVED;
-        let on_surface = is_curved.then(|| tracer.closest_on(patches.middle(patch), &frame.point(&centroid)));
-        let centre = on_surface.flatten().map_or(centroid, |closest| frame.local(&closest.position));
-        let bounds = Aabb { lower: centre, upper: centre }.grown(radius);
-        if area > T::zero() && bounds.overlaps(&frame.region) {
-            elements.room_for(1).push(Self::new(body, Extent::Patch(patch), area, vector, centre, radius));
+        let whole = (patch, parts[0].1.with(&parts[1].1));
+        let added = if whole.1.area > largest { &parts[..] } else { &[whole] };
+        for &(patch, Moments { area, vector, first, second }) in added {
+            let triangles = mesh.patches().triangles_of(patch);
+            if let &[triangle] = triangles {
+                let corners = Corners::of_triangle(mesh.corners(triangle));
+                pieces.room_for(1).push(Piece { triangle, corners, number: WHOLE, depth: 0 });
+                Self::add_last_piece(body, frame, pieces, elements);
+                continue;
+            }
+            let centroid = first / area;
+            let radius = (second / area - centroid.norm_squared()).max(T::zero()).sqrt() * T::of(2.0);
+            let on_surface = || tracer.closest_on(mesh.patches().middle(patch), &frame.point(&centroid));
+            let closest = if triangles.len() < FEWEST_OF_CURVED { None } else { on_surface() };
+            let centre = closest.map_or(centroid, |closest| frame.local(&closest.position));
+            let bounds = Aabb { lower: centre, upper: centre }.grown(radius);
+            if area > T::zero() && bounds.overlaps(&frame.region) {
+                elements.room_for(1).push(Self::new(body, Extent::Patch(patch), area, vector, centre, radius));
+            }
         }
     }
 
@@ -219,7 +230,7 @@ impl<T: Scalar> Element<T> {
             Extent::Patch(patch) => {
                 let Some(parts) = tracer.mesh().patches().parts(patch) else { return false };
                 for part in parts {
-                    Self::add_patch::<L>(body, part, tracer, frame, pieces, halves);
+                    Self::add_patch::<L>(body, part, T::INFINITY, tracer, frame, pieces, halves);
                 }
             }
             Extent::Piece(piece) => {
@@ -269,7 +280,9 @@ impl<T: Scalar> Element<T> {
     /// Notes whether the next element is the other half of the same whole.
     pub(crate) fn note_other_half(&mut self, next: Option<&Self>, mesh: &Mesh<T>, pieces: &[Piece<T>]) {
         self.is_first_half = match (self.extent, next.map(|next| next.extent)) {
-            (Extent::Patch(this), Some(Extent::Patch(next))) => mesh.patches().are_halves(this, next),
+            (Extent::Patch(this), Some(Extent::Patch(next))) => {
+                mesh.patches().other_half(this, T::INFINITY) == Some(next)
+            }
             (Extent::Piece(this), Some(Extent::Piece(next))) => {
                 let [this, next] = [this, next].map(|piece| &pieces[piece as usize]);
                 this.triangle == next.triangle && this.number == next.number ^ 1

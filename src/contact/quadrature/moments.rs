@@ -3,6 +3,7 @@ use crate::mesh::Mesh;
 use crate::simd::{Kernel, LANE_COUNT, Lanes, Vectors};
 
 /// Sums over triangles, about a point.
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Moments<T: Scalar> {
     pub(crate) area: T,
     /// Σ area · normal.
@@ -14,9 +15,14 @@ pub(crate) struct Moments<T: Scalar> {
 }
 
 impl<T: Scalar> Moments<T> {
-    fn zero() -> Self {
-        let (vector, first) = (Vector3::zeros(), Vector3::zeros());
-        Self { area: T::zero(), vector, first, second: T::zero() }
+    /// Of both together.
+    pub(crate) fn with(&self, other: &Self) -> Self {
+        Self {
+            area: self.area + other.area,
+            vector: self.vector + other.vector,
+            first: self.first + other.first,
+            second: self.second + other.second,
+        }
     }
 
     fn add(&mut self, [a, b, c]: [Vector3<T>; 3]) {
@@ -48,7 +54,7 @@ impl<T: Scalar> Kernel<T> for MomentsOf<'_, T> {
     fn run<L: Lanes<T>>(self) -> Moments<T> {
         let Self { mesh, triangles, middle, factor } = self;
         if triangles.len() <= FEW {
-            let mut sums = Moments::zero();
+            let mut sums = Moments::default();
             for &triangle in triangles {
                 sums.add(mesh.corners(triangle).map(|corner| (corner - middle) * factor));
             }

@@ -299,7 +299,8 @@ impl<T: Scalar> Quadrature<T> {
                 pieces.truncate(first[1]);
                 *counts = before;
                 for &patch in &*patches {
-                    Element::add_patch::<L>(body as u8, patch, tracer, frame, pieces, waiting);
+                    let largest_patch = if let Largest::Area(area) = largest { area * times } else { T::INFINITY };
+                    Element::add_patch::<L>(body as u8, patch, largest_patch, tracer, frame, pieces, waiting);
                     counts.without_normal +=
                         u64::from(waiting.is_empty() && is_degenerate(tracer.mesh(), patch, pair.region));
                     while let Some(element) = waiting.pop() {
