@@ -85,7 +85,7 @@ fn has_few_vertices(topology: &Topology, cluster: &[u32]) -> bool {
     count <= CLUSTER_SIZE
 }
 
-/// The centre of a cluster's box, or of something else, and its number.
+/// The centre of something, and its number.
 type Centre<T> = (Vector3<T>, u32);
 
 fn centre<T: Scalar>(topology: &Topology, positions: &[Vector3<T>], cluster: &[u32]) -> Vector3<T> {
@@ -119,7 +119,7 @@ fn sort<T: Scalar>(centres: &mut [Centre<T>]) {
 }
 
 /// Sorts points so that those close together in the list are mostly close together in space.
-pub(crate) fn sort_points<T: Scalar>(points: &mut [(Vector3<T>, u32)]) {
+pub(crate) fn sort_points<T: Scalar>(points: &mut [Centre<T>]) {
     halve(points, 1);
 }
 

@@ -102,3 +102,43 @@ pub(crate) fn for_each_mark(marks: &[u64], mut use_place: impl FnMut(usize)) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::test_mesh::torus;
+
+    /// Patches of any size are listed once, halves of one whole side by side, and sixteen in a row mostly lie closer together
+    /// than sixteen of the whole list.
+    #[test]
+    fn patches_are_listed_among_their_neighbours() {
+        let mesh = torus([40, 20]);
+        let (all, count) = (mesh.patches(), mesh.topology().triangles().len() as u32);
+        let groups: Vec<u32> = (0..count / 16).collect();
+        for area in [0.0, 0.01, 0.04] {
+            // Triangles in groups in another order than in space.
+            let of_group = |group, offer: &mut dyn FnMut(u32)| (0..16).for_each(|k| offer(k * (count / 16) + group));
+            let (mut marks, mut listed) = (Vec::new(), Vec::new());
+            PatchesOfGroups::new(&mesh, area, count / 16, of_group).list(&groups, &mut marks, &mut listed);
+            let mut expected: Vec<u32> = (0..count).map(|triangle| all.around(triangle, area)).collect();
+            expected.sort_unstable();
+            expected.dedup();
+            let mut sorted = listed.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, expected);
+            for (place, &patch) in listed.iter().enumerate() {
+                let other = all.other_half(patch, area);
+                let beside = [place.wrapping_sub(1), place + 1].map(|beside| listed.get(beside).copied());
+                assert!(other.is_none() || beside.contains(&other), "{patch} lies apart from its other half");
+            }
+            let size = |patches: &[u32]| {
+                let mut around = Aabb::empty();
+                patches.iter().for_each(|&patch| around.include(&mesh.corners(all.middle(patch))[0]));
+                (around.upper - around.lower).norm()
+            };
+            let scattered: Vec<u32> = (0..16).map(|k| listed[k * listed.len() / 16]).collect();
+            let mean = listed.chunks(16).map(size).sum::<f64>() / listed.len().div_ceil(16) as f64;
+            assert!(mean < 0.5 * size(&scattered), "{mean}, and {} when scattered", size(&scattered));
+        }
+    }
+}

@@ -134,6 +134,11 @@ mod tests {
             }
             assert!((found.area - area).abs() < 1e-13 * area && (found.second - second).abs() < 1e-13 * second);
             assert!((found.vector - vector).norm() < 1e-13 * area && (found.first - first).norm() < 1e-12 * area);
+            let of = |triangles| dispatch::<f64, _>(MomentsOf { mesh: &mesh, triangles, middle, factor });
+            let (some, others) = triangles.split_at(triangles.len() / 2);
+            let both = of(some).with(&of(others));
+            assert!((both.area - area).abs() < 1e-13 * area && (both.second - second).abs() < 1e-13 * second);
+            assert!((both.vector - vector).norm() < 1e-13 * area && (both.first - first).norm() < 1e-12 * area);
         }
     }
 }
