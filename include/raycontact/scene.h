@@ -211,7 +211,7 @@ enum rayc_status rayc_scene_set_self_collision(struct rayc_scene *scene, uint32_
  * of a pair stand no closer to one another than the unknowns of the finer one of both, and where neither has 0, its contacts'
  * loads are not spread. A body that is not told counts as one with 0 there. Where 0 was said, the body's vertices also bear
  * what the other's rays bring as an even pressure on the areas of these does: two elastic bodies with different meshes that
- * are pressed together flush have the same stress everywhere. Detection takes half a step longer or more. From the next query
+ * are pressed together flush have the same stress everywhere. Detection then takes 1.5 to 9 times as long. From the next query
  * on. A contact system knows it, but what is said here counts.
  *
  * Errors: RAYC_STATUS_UNKNOWN_BODY, RAYC_STATUS_INVALID_OPTION where it is negative or NaN.
