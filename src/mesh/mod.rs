@@ -296,8 +296,8 @@ impl<T: Scalar> Mesh<T> {
     /// distance between nodes where a cage carries it, infinity where nothing moves it. A rigid body need not be told. With
     /// [`Accuracy`](crate::contact::Sampling::Accuracy) the samples of a pair stand no closer to one another than the unknowns
     /// of the finer one of both. Where neither has 0, a contact's force acts on the triangles at its two ends alone. Where this
-    /// mesh has it, its vertices bear what the other's rays bring as an even pressure on the areas of these does. A step then takes
-    /// 1.5 times as long or more, on the finest meshes 9 times. A host that never calls this has 0 without that, or in a contact system what that knows.
+    /// mesh has it, its vertices bear what the other's rays bring as an even pressure on the areas of these does. A step then
+    /// takes 1.5 to 9 times as long. A host that never calls this has 0 without that, or in a contact system what that knows.
     ///
     /// # Errors
     /// [`MeshError::CarrierSpacing`] where it is negative or NaN.
